@@ -422,7 +422,7 @@ def help_of(command: str) -> dict[str, Any]:
     found = commands.get_command(click.Context(commands), command)
     assert found is not None
     with patch.dict(os.environ, {"COLUMNS": "100"}):
-        text = line_outcome([command, "--help"], FOLDER)["out"]
+        text = line_outcome([command, "--help-all"], FOLDER)["out"]
     return {"text": text, "options": {str(one.name): declaration(one) for one in found.params}}
 
 

@@ -177,7 +177,7 @@ def command_pages() -> dict[str, str]:
     pages["index"] = "\n".join(
         [
             heading("Command line", "="),
-            "``chromanoise COMMAND --help`` prints the same in the terminal.\n",
+            "``chromanoise COMMAND --help-all`` prints the same in the terminal.\n",
             "\n".join(rows),
             f"\n.. toctree::\n   :hidden:\n\n{listed}\n",
         ]

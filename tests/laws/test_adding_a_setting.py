@@ -43,7 +43,7 @@ print(json.dumps({
     "schema": [schema["default"], schema["maximum"]],
     "signature": "lens_transmission" in inspect.signature(cn.compare).parameters,
     "docstring": "lens_transmission : float, default 1.0" in cn.render.__doc__,
-    "help": [printed(name, "--help")[1].count("--lens-transmission") for name in
+    "help": [printed(name, "--help-all")[1].count("--lens-transmission") for name in
              ("analyze", "compare", "matrix", "sensitivity", "simulate", "denoise")],
     "command": study_as_command(study),
     "python": "lens_transmission=0.5" in study_as_python(study),

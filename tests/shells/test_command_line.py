@@ -439,7 +439,7 @@ def test_compare_on_equal_terms_gives_each_its_time(run):
     [("analyze", "analyze"), ("compare", "compare"), ("matrix", "matrix"), ("simulate", "render")],
 )
 def test_the_help_shows_the_defaults_of_the_study(run, command, function):
-    shown = " ".join(run(command, "--help")[1].split())
+    shown = " ".join(run(command, "--help-all")[1].split())
     study = Study.model_validate({"sensors": [{"name": "x"}]})
     assert f"Illuminance [lx]. [default: {study.light.level_lux:g}]" in shown
     assert f"f-number of the lens. [default: {study.exposure.f_number:g}]" in shown

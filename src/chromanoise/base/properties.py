@@ -64,6 +64,8 @@ class Property:
         Names of fields. It has no effect if all of these are 0.
     sets_time
         Whether a solved exposure time depends on it.
+    common
+        As `Interface.common`.
 
     Examples
     --------
@@ -85,6 +87,7 @@ class Property:
     logarithmic: bool = False
     needs: tuple[str, ...] = ()
     sets_time: bool = False
+    common: bool = False
 
     def demand(self, name: str, value: Any) -> float:
         """The value as a float.
@@ -155,6 +158,10 @@ class Interface:
         Names of fields of the same part, without which it has no effect.
     later
         As `Property.later`.
+    common
+        Whether the short help of a command lists its option; the long help lists all.
+    heading
+        Over its option in the help of a command; empty: that of its part.
     """
 
     keyword: str | None = ""
@@ -173,6 +180,8 @@ class Interface:
     suggestions: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
     later: bool = False
+    common: bool = False
+    heading: str = ""
 
 
 @cache

@@ -19,6 +19,8 @@ from chromanoise.cli.options import (
     command,
     copy_option,
     matrix_option,
+    notes_option,
+    own_option,
     table_option,
     with_settings,
 )
@@ -51,9 +53,11 @@ from chromanoise.study import (
     MatrixResult,
     Step,
     Study,
+    answers_of,
     conditions_of,
     default_of,
     failures_of,
+    input_notes,
     known_matrices,
     read_record,
     refuse_idle,
@@ -74,6 +78,7 @@ _NOT_COPIED = {
     "tile": "--tile",
     "scheduler": "--scheduler",
     "out": "--out",
+    "whole_notes": "--notes",
 }
 
 
@@ -100,11 +105,17 @@ def print_run(
     threads: int | None,
     place: Path | None = None,
     *,
+    answers: bool = False,
     fail_if: Sequence[str] = (),
 ) -> list[str]:
     """Run a study whose file names are relative to ``place``, and print the files it writes.
 
     Returns the sentences of the conditions of ``fail_if`` that are met.
+
+    Parameters
+    ----------
+    answers
+        Whether to print the sentence that answers each of its questions before.
     """
     asked: list[Condition] = []
 
@@ -125,6 +136,8 @@ def print_run(
         progress=progress_of_step,
         place=place,
     )
+    if answers:
+        print_lines(answers_of(files))
     for file in files:
         click.echo(file)
     return failures_of(
@@ -144,6 +157,7 @@ def progress_of_step(step: Step) -> AbstractContextManager[Callable[[int], None]
 @table_option
 @json_option
 @fail_if_option
+@notes_option
 @copy_option
 def analyze(
     sensors: tuple[str, ...],
@@ -151,6 +165,7 @@ def analyze(
     table: str | None,
     json_target: str | None,
     fail_if: tuple[str, ...],
+    whole_notes: bool,
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -175,7 +190,7 @@ def analyze(
         (json_target, lambda: json_text(result.to_dict())),
     )
     if printed:
-        _print(result, sentences)
+        _print(result, sentences, whole_notes=whole_notes)
     leave_if_failed(failed)
 
 
@@ -184,11 +199,11 @@ def _table(result: Analyses) -> Table:
     return result.pipeline_table() if result.outputs.pipeline.run else result.to_table()
 
 
-def _print(result: Analyses, sentences: Sequence[str]) -> None:
+def _print(result: Analyses, sentences: Sequence[str], *, whole_notes: bool) -> None:
     analyses = result.analyses
     print_lines(sentences)
     terminal_tables.print_conditions(conditions(result.points))
-    terminal_tables.print_analyses(analyses)
+    terminal_tables.print_analyses(analyses, whole_notes=whole_notes)
     if len(analyses) > MOST_PAIRS_SENSORS:
         terminal_tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for table in outcome_tables(result):
@@ -205,30 +220,34 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 @command()
 @with_settings("compare")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
-@click.option(
+@own_option(
     "--sweep",
+    heading="Sweep",
     metavar="NAME=FIRST:LAST",
     help=f"Parameter that varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}. "
     "An ircut-nm of 1200 or more is a sensor without the added filter. "
     f"[default: {_START}]",
 )
-@click.option(
+@own_option(
     "--and",
     "second",
+    heading="Sweep",
     metavar="NAME=FIRST:LAST[:POINTS]",
     help="A second parameter of --sweep that varies too: values on a grid, and the best sensor at "
     f"each pair of values. POINTS is {default_of('compare_map', 'second_points')} by default.",
 )
-@click.option(
+@own_option(
     "--matrix",
     "matrices",
+    heading="Color",
     default=DEFAULT_METHOD,
     show_default=True,
     metavar="NAME[,NAME...]",
     help="Color matrices: kernel and others of `chromanoise matrix`.",
 )
-@click.option(
+@own_option(
     "--prior",
+    common=False,
     metavar=f"[{'|'.join([*PRIORS, 'all'])}]|FILE",
     help="Training set of trained matrices; all gives the band of crossovers over all sets; "
     "or a file of reflectances.",
@@ -236,6 +255,7 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 @table_option
 @json_option
 @fail_if_option
+@notes_option
 @copy_option
 def compare(
     sensors: tuple[str, ...],
@@ -245,6 +265,7 @@ def compare(
     table: str | None,
     json_target: str | None,
     fail_if: tuple[str, ...],
+    whole_notes: bool,
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -275,13 +296,14 @@ def compare(
     )
     if json_target != "-":
         fixed = conditions(result.points)
+        print_lines(result.shown_sentences)
         print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
         if isinstance(result, ComparisonMap):
             terminal_tables.print_maps(result.maps, result.ranking)
         else:
-            terminal_tables.print_comparison(
-                result.curves, result.ranking, result.shown_sentences, result.shown_bands
-            )
+            terminal_tables.print_comparison(result.curves, result.ranking, result.shown_bands)
+        notes = [(one.sensor.label, note) for one in result.points for note in input_notes(one)]
+        terminal_tables.print_notes(notes, whole=whole_notes)
     leave_if_failed(failed)
 
 
@@ -317,6 +339,7 @@ def _span(text: str | None, option: str) -> dict[str, Any]:
 @click.option(
     "--matrix",
     cls=RenamedOption,
+    heading="Color",
     old="--method",
     default=DEFAULT_METHOD,
     show_default=True,
@@ -324,13 +347,15 @@ def _span(text: str | None, option: str) -> dict[str, Any]:
     help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light "
     "level; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
-@click.option(
+@own_option(
     "--export",
+    heading="Output",
     help="Write it to FILE.csv, .json, .clf (OpenColorIO) or .dcp.json (camera-profile names).",
 )
-@click.option(
+@own_option(
     "--pareto",
     "weights",
+    heading="Color",
     metavar="FIRST:LAST[:POINTS]",
     help="Color error against noise for weights of the noise from FIRST to LAST, e.g. 0.001:1000; "
     "1 is lmmse, and towards 0 lies least-squares.",
@@ -338,6 +363,7 @@ def _span(text: str | None, option: str) -> dict[str, Any]:
 @table_option
 @json_option
 @fail_if_option
+@notes_option
 @copy_option
 def matrix(
     sensor: str,
@@ -347,6 +373,7 @@ def matrix(
     table: str | None,
     json_target: str | None,
     fail_if: tuple[str, ...],
+    whole_notes: bool,
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -371,10 +398,13 @@ def matrix(
         (json_target, lambda: json_text(result.to_dict())),
     )
     if json_target != "-":
+        print_lines(results.sentences)
         terminal_tables.print_conditions(conditions([point]))
         terminal_tables.print_matrix(result.matrix, report, point.sensor.label)
         if result.pareto:
             terminal_tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
+        notes = [(point.sensor.label, one) for one in input_notes(point, result.matrix)]
+        terminal_tables.print_notes(notes, whole=whole_notes)
     leave_if_failed(failed)
 
 

@@ -22,7 +22,7 @@ from chromanoise.apps.camera import (
     variance_through_file,
 )
 from chromanoise.base import OWN_FILES, InputError, plain, refuse_unwritable, true_path
-from chromanoise.cli.options import WHOLE, Decorated as Command, command
+from chromanoise.cli.options import WHOLE, Decorated as Command, command, notes_option, own_option
 from chromanoise.cli.output import (
     fail_if_option,
     json_option,
@@ -33,6 +33,7 @@ from chromanoise.cli.output import (
     terminal,
     write_json,
 )
+from chromanoise.cli.terminal_tables import print_notes
 from chromanoise.io.frames import FrameSet, RawFrame
 from chromanoise.sensor import PhotonTransfer
 from chromanoise.study import JudgedResult, conditions_of, failures_of
@@ -59,6 +60,7 @@ from chromanoise.study import JudgedResult, conditions_of, failures_of
 )
 @json_option
 @fail_if_option
+@notes_option
 def characterize(
     frames: tuple[str, ...],
     out: Path | None,
@@ -66,6 +68,7 @@ def characterize(
     matrix: str | None,
     json_target: str | None,
     fail_if: tuple[str, ...],
+    whole_notes: bool,
 ) -> None:
     """Noise of a camera from its own raw frames, by the methods of EMVA 1288.
 
@@ -108,7 +111,7 @@ def characterize(
         checked = {"matrix_check": {"source": matrix, **plain(check)}} if check else {}
         write_json(result.to_dict() | checked, json_target)
     if json_target != "-":
-        _print(result)
+        _print(result, whole_notes=whole_notes)
         if check is not None:
             errors = zip(check.names, 100 * check.mean_error, strict=True)
             print_lines(
@@ -157,7 +160,16 @@ def _refuse_replaced(
         seen[path] = option
 
 
-def _print(result: Characterization) -> None:
+def _print(result: Characterization, *, whole_notes: bool) -> None:
+    verdict = result.verdict
+    holds = "The linear model holds" if verdict.holds else "The linear model does not hold"
+    print_lines(
+        [
+            f"{holds}: chi-square {verdict.chi2_per_level:.2f} per level, largest deviation "
+            f"{verdict.worst_z:+.1f} standard errors ({verdict.worst_level}).",
+            *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in verdict.sentences),
+        ]
+    )
     grid = Grid(title=f"Noise of {result.camera or result.source} (EMVA 1288)")
     grid.title_justify = "left"
     grid.add_column("")
@@ -168,17 +180,9 @@ def _print(result: Characterization) -> None:
         if any(cell != "-" for cell in cells):
             grid.add_row(f"{quantity.name} [{quantity.shown_unit or '1'}]", *cells)
     terminal().print(grid)
-    verdict = result.verdict
-    holds = "The linear model holds" if verdict.holds else "The linear model does not hold"
-    print_lines(
-        [
-            f"{holds}: chi-square {verdict.chi2_per_level:.2f} per level, largest deviation "
-            f"{verdict.worst_z:+.1f} standard errors ({verdict.worst_level}).",
-            *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in verdict.sentences),
-            *result.notes,
-            *dict.fromkeys(note for plane in result.planes for note in plane.fit.notes),
-        ]
-    )
+    notes = [("", note) for note in result.notes]
+    notes += [("", note) for plane in result.planes for note in plane.fit.notes]
+    print_notes(notes, whole=whole_notes)
 
 
 def _cell(value: float | None, error: float | None) -> str:
@@ -192,15 +196,24 @@ _COLOR = {"R": 0.7, "G": 1.0, "B": 0.6}  # sensitivities of a color camera under
 
 def _camera_options(command: Command) -> Command:
     """Add the options of the frames, and one for each property of the camera."""
-    options = {flag: (kind, default, text) for flag, kind, default, text in _NUMBERS}
+    options: dict[str, tuple[Any, ...]] = {
+        flag: (kind, default, text, True, "Frames") for flag, kind, default, text in _NUMBERS
+    }
     for name, one in PROPERTIES.items():
         usual = getattr(USUAL_CAMERA, name)
         default = None if usual is None else f"{usual:g}"
         flag = f"--{name.replace('_', '-')}"
-        options[flag] = (float, default, one.help.partition("; default:")[0])
-    for flag, (kind, default, text) in reversed(options.items()):
-        command = click.option(
-            *flag.split(), type=kind, default=default, show_default=True, help=text
+        text = one.help.partition("; default:")[0]
+        options[flag] = (float, default, text, one.common, "Camera")
+    for flag, (kind, default, text, common, heading) in reversed(options.items()):
+        command = own_option(
+            *flag.split(),
+            type=kind,
+            default=default,
+            show_default=True,
+            help=text,
+            common=common,
+            heading=heading,
         )(command)
     return command
 
@@ -241,16 +254,18 @@ _NUMBERS: tuple[tuple[str, click.ParamType | type, Any, str], ...] = (
 
 
 @command()
-@click.option(
+@own_option(
     "-o",
     "--out",
     type=click.Path(path_type=Path),
     required=True,
+    heading="Output",
     help="Folder for the frames, capture.toml and truth.toml.",
 )
-@click.option(
+@own_option(
     "--mosaic",
     metavar="NAME|ROWS",
+    heading="Frames",
     help="Channels of a color camera, e.g. RG/GB or 'R G/IR B'. [default: monochrome]",
 )
 @_camera_options

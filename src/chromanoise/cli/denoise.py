@@ -33,6 +33,7 @@ from chromanoise.cli.options import (
     RenamedOption,
     command,
     matrix_option,
+    own_option,
     pair,
     with_settings,
 )
@@ -62,8 +63,9 @@ from chromanoise.study import (
 @command()
 @with_settings("denoise")
 @click.argument("pictures", nargs=-1, required=True, metavar="PICTURE")
-@click.option(
+@own_option(
     "--sensor",
+    heading="Sensor",
     help="A name of `chromanoise catalog sensors`, or a file: its channels give the color, its "
     "pixel gives the noise. Without it only raw codes are written.",
 )
@@ -71,59 +73,79 @@ from chromanoise.study import (
     "--denoise",
     cls=RenamedOption,
     old="--method",
+    heading="Picture",
     type=click.Choice(list(DENOISING)),
     default="guided",
     show_default=True,
     help="Denoising method.",
 )
 @matrix_option
-@click.option(
+@own_option(
     "--lux",
     type=float,
     help="Illuminance [lx]. [default: estimated from the mean of the picture]",
 )
-@click.option(
+@own_option(
     "--time-ms",
     type=float,
     help="Exposure time [ms]. [default: from the file, else solved from --saturate]",
 )
-@click.option(
+@own_option(
     "--mosaic",
     metavar="NAME|ROWS|none",
     help=f"Channel of each pixel from the first one on: {', '.join(MOSAIC_NAMES)}, rows, e.g. "
     "RG/GB or 'R G/IR B', or none for a monochrome sensor. [default: from the file, else the "
     "sensor's own]",
 )
-@click.option(
+@own_option(
     "--demosaic",
+    common=False,
     type=click.Choice(list(DEMOSAICING)),
     help="Demosaicing method of the color. [default: bilinear]",
 )
-@click.option(
-    "--bits", type=WHOLE, help="Bits of the codes, 8 to 16. [default: from the file, else --pixel]"
+@own_option(
+    "--bits",
+    type=WHOLE,
+    common=False,
+    help="Bits of the codes, 8 to 16. [default: from the file, else --pixel]",
 )
-@click.option(
+@own_option(
     "--black-level",
+    common=False,
     type=WHOLE,
     help="Code without light. [default: from the file, else --pixel]",
 )
-@click.option(
+@own_option(
     "--white-level",
+    common=False,
+    heading="Picture",
     type=float,
     help="Lowest saturated code. [default: from the file, else the largest code]",
 )
-@click.option(
-    "--shape", metavar="ROWSxCOLUMNS", help="Rows and columns of a raw dump (.raw, .bin)."
+@own_option(
+    "--shape",
+    metavar="ROWSxCOLUMNS",
+    common=False,
+    heading="Picture",
+    help="Rows and columns of a raw dump (.raw, .bin).",
 )
-@click.option(
+@own_option(
     "--stored",
+    common=False,
+    heading="Picture",
     type=click.Choice(list(DUMP_TYPES)),
     help="Type of the codes of a raw dump; uint16 is little-endian. [default: uint16]",
 )
-@click.option("--threads", type=WHOLE, help="Number of threads. [default: one per core]")
-@click.option(
+@own_option(
+    "--threads",
+    type=WHOLE,
+    common=False,
+    help="Number of threads. [default: one per core]",
+)
+@own_option(
     "-o",
     "--out",
+    heading="Output",
     type=click.Path(path_type=Path),
     default=Path("out/denoise"),
     show_default=True,

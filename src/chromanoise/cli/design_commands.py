@@ -13,7 +13,15 @@ import numpy as np
 from chromanoise.apps.design import DEFAULT_OBJECTIVES, OBJECTIVES, half_widths, sensitivity_of
 from chromanoise.base import InputError
 from chromanoise.cli import terminal_tables
-from chromanoise.cli.options import WHOLE, command, matrix_option, table_option, with_settings
+from chromanoise.cli.options import (
+    WHOLE,
+    command,
+    matrix_option,
+    notes_option,
+    own_option,
+    table_option,
+    with_settings,
+)
 from chromanoise.cli.output import (
     duration,
     json_option,
@@ -125,10 +133,11 @@ def _front_so_far(now: "Progress", objectives: tuple[str, ...]) -> str:
 
 
 def _print_design(found: "Design", folder: Path) -> None:
+    print_lines(found.sentences)
     terminal_tables.print_conditions(conditions([one.point for one in found.task.scenes[:1]]))
     terminal_tables.print_table(_objectives_table(found), width=_WIDTH)
     terminal_tables.print_table(_values_table(found), width=_WIDTH)
-    print_lines([*found.sentences, ""])
+    print_lines([""])
     written = f"{folder}: front.json, front.csv, front.svg, sensors/ ({len(found.members)} files)"
     print_lines([written])
     command = found.analyze_command(found.front.knee.name, str(folder))
@@ -153,21 +162,22 @@ def _objectives_table(found: "Design") -> Table:
 
 def _values_table(found: "Design") -> Table:
     """Parameters of the extremes and the knee, one row per parameter."""
-    shown = [one for one in found.members if one.extreme_of or one.knee]
+    shown = [i for i, one in enumerate(found.members) if one.extreme_of or one.knee]
+    names = [found.members[i].name for i in shown]
     return Table(
         title="Parameters",
         columns=(
             Column(name="parameter"),
-            *(Column(name=one.name, digits=".4g") for one in shown),
+            *(Column(name=name, digits=".4g") for name in names),
             Column(name="bounds"),
         ),
         rows=tuple(
             (
-                head(Column(name=one.name, unit="" if one.unit == "1" else one.unit)),
-                *(float(member.values[i]) for member in shown),
-                f"{one.low:g} to {one.high:g}",
+                head(Column(name=one.name, unit=one.unit)),
+                *(one.values[i] for i in shown),
+                one.bounds,
             )
-            for i, one in enumerate(found.task.space.parameters)
+            for one in found.shown_numbers()
         ),
         notes=("front.csv has all sensors of the front.",),
     )
@@ -177,40 +187,63 @@ def _values_table(found: "Design") -> Table:
 @with_settings("sensitivity")
 @click.argument("sensor")
 @matrix_option
-@click.option(
+@own_option(
     "--objectives",
+    heading="Tolerances",
     default=",".join(DEFAULT_OBJECTIVES),
     show_default=True,
     metavar="NAME[,NAME...]",
     help=f"Objectives: {', '.join(OBJECTIVES)}. The first one orders the table.",
 )
-@click.option(
+@own_option(
     "--loss",
     "losses",
+    heading="Tolerances",
     multiple=True,
     metavar="NAME=VALUE",
     help="Allowed loss of an objective in its unit, e.g. snr_y_db=0.1. The table then has the "
     "change of each parameter that causes it, alone and together with all others. Repeatable.",
 )
-@click.option("--tolerance-nm", type=float, help="Tolerance of all wavelengths, half width [nm].")
-@click.option(
-    "--tolerance-percent", type=float, help="Tolerance of all other values, half width [%]."
+@own_option(
+    "--tolerance-nm",
+    type=float,
+    heading="Tolerances",
+    help="Tolerance of all wavelengths, half width [nm].",
 )
-@click.option(
+@own_option(
+    "--tolerance-percent",
+    type=float,
+    heading="Tolerances",
+    help="Tolerance of all other values, half width [%].",
+)
+@own_option(
     "--draws",
+    common=False,
+    heading="Tolerances",
     type=WHOLE,
     default=0,
     show_default=True,
     help="Number of random sensors within the tolerances.",
 )
-@click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the draws.")
-@click.option(
+@own_option(
+    "--seed",
+    type=WHOLE,
+    default=0,
+    show_default=True,
+    common=False,
+    heading="Tolerances",
+    help="Seed of the draws.",
+)
+@own_option(
     "--keep-matrix",
+    common=False,
+    heading="Tolerances",
     is_flag=True,
     help="Use the color matrix of the unchanged sensor for changed sensors (no calibration).",
 )
 @table_option
 @json_option
+@notes_option
 def sensitivity(
     sensor: str,
     matrix: str,
@@ -223,6 +256,7 @@ def sensitivity(
     keep_matrix: bool,
     table: str | None,
     json_target: str | None,
+    whole_notes: bool,
     **settings: Any,
 ) -> None:
     """Effect of 1 nm or 1 % of each parameter of SENSOR on SNR, color error and separation.
@@ -246,8 +280,11 @@ def sensitivity(
         (json_target, lambda: json_text(result.to_dict())),
     )
     if json_target != "-":
+        print_lines(result.sentences)
         for part in _parts(result.to_table(), effects=2 + len(result.objectives)):
-            terminal_tables.print_table(part)
+            terminal_tables.print_table(replace(part, notes=()))
+        notes = [(result.point.sensor.label, note) for note in result.notes]
+        terminal_tables.print_notes(notes, whole=whole_notes)
 
 
 def _parts(whole: Table, *, effects: int) -> list[Table]:

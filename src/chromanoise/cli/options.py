@@ -28,13 +28,53 @@ from chromanoise.study import (
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
 
-class RenamedOption(click.Option):
-    """An option that also works by its old name, for one release, with a warning.
+MOST_COMMON = 15
+"""Largest number of options that the short help of a command lists."""
+_HEADINGS = (
+    *("Sweep", "Picture", "Light", "Exposure", "Sensor", "Pixel", "Files of curves", "Color"),
+    *(
+        "Reflectances",
+        "Results",
+        "Pipeline of the camera",
+        "Tolerances",
+        "Frames",
+        "Camera",
+        "Output",
+    ),
+)  # in the order of use; others follow
+
+
+class Option(click.Option):
+    """An option with its place in the help of a command.
 
     Parameters
     ----------
     declarations, attributes
         As `click.Option`.
+    common
+        Whether the short help lists it; the long help lists all.
+    heading
+        The heading that it stands under; empty: that of options without one.
+    """
+
+    def __init__(
+        self, *declarations: Any, common: bool = True, heading: str = "", **attributes: Any
+    ) -> None:
+        super().__init__(*declarations, **attributes)
+        self.common, self.heading = common, heading
+
+
+own_option = partial(click.option, cls=Option)
+"""A decorator that adds an `Option` that is no setting of a study."""
+
+
+class RenamedOption(Option):
+    """An option that also works by its old name, for one release, with a warning.
+
+    Parameters
+    ----------
+    declarations, attributes
+        As `Option`.
     old
         The old name, e.g. ``--method``.
     """
@@ -45,7 +85,46 @@ class RenamedOption(click.Option):
 
 
 class Command(click.Command):
-    """A command whose options are given once, except those that may be repeated."""
+    """A command whose options are given once, except those that may be repeated.
+
+    ``--help`` lists at most `MOST_COMMON` options, the common ones, and ``--help-all`` lists all.
+    """
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """The parameters, with those that print the help."""
+        return [*super().get_params(ctx), _HELP_ALL]
+
+    def listed_options(self, ctx: click.Context) -> list[click.Parameter]:
+        """The options that the help lists: the common ones, or all if they are few or asked for."""
+        shown = [one for one in self.get_params(ctx) if _is_shown(one)]
+        few = [one for one in shown if one is not _HELP_ALL]
+        if len(few) <= MOST_COMMON:
+            return few
+        whole = bool(ctx.meta.get(_WHOLE_HELP))
+        return shown if whole else [one for one in shown if getattr(one, "common", True)]
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, many under their headings in the order of use."""
+        listed = self.listed_options(ctx)
+        groups: dict[str, list[tuple[str, str]]] = {one: [] for one in _HEADINGS}
+        for one in listed:
+            heading = getattr(one, "heading", "") or "Other options"
+            record = one.get_help_record(ctx)
+            if record is not None:
+                groups.setdefault(heading if _HELP_ALL in listed else "Options", []).append(record)
+        for heading, rows in groups.items():
+            if rows:
+                with formatter.section(heading):
+                    formatter.write_dl(rows)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write how many options the short help omits."""
+        listed = self.listed_options(ctx)
+        if _HELP_ALL in listed and not ctx.meta.get(_WHOLE_HELP):
+            more = sum(map(_is_shown, self.get_params(ctx))) - len(listed)
+            formatter.write_paragraph()
+            formatter.write_text(f"{more} more options: {ctx.command_path} --help-all")
+        super().format_epilog(ctx, formatter)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the arguments.
@@ -95,6 +174,24 @@ class Command(click.Command):
 
 def _is_shown(parameter: click.Parameter) -> bool:
     return isinstance(parameter, click.Option) and not parameter.hidden
+
+
+def _print_whole_help(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked and not ctx.resilient_parsing:
+        ctx.meta[_WHOLE_HELP] = True
+        click.echo(ctx.get_help(), color=ctx.color)
+        ctx.exit()
+
+
+_WHOLE_HELP = "chromanoise.whole_help"
+_HELP_ALL = click.Option(
+    ["--help-all"],
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_whole_help,
+    help="Show this message with all options and exit.",
+)
 
 
 def _bad_value(error: click.BadParameter) -> InputError | None:
@@ -343,21 +440,33 @@ def _by_channel(_: Any, __: Any, given: tuple[str, ...]) -> dict[str, str] | Non
     return found or None
 
 
-table_option = click.option(
+table_option = own_option(
     "--table",
     metavar="FILE",
+    common=False,
+    heading="Output",
     help="Write the main table too: FILE.csv, .json, .md or .tex.",
 )
-copy_option = click.option(
+copy_option = own_option(
     "--copy-as",
     type=click.Choice(["python", "toml"]),
+    common=False,
+    heading="Output",
     help="Compute nothing; print the command as a Python script or as a study file.",
 )
-matrix_option = click.option(
+notes_option = own_option(
+    "--notes",
+    "whole_notes",
+    is_flag=True,
+    heading="Output",
+    help="Print all notes in full, not one line each.",
+)
+matrix_option = own_option(
     "--matrix",
     default=DEFAULT_METHOD,
     show_default=True,
     metavar="NAME[=VALUE]|FILE",
+    heading="Color",
     help=f"Color matrix: {known_matrices()}; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
 
@@ -398,6 +507,8 @@ def with_settings(function: str, only: Collection[str] = ()) -> Callable[[Decora
 
 def _with_default(option: click.Parameter, one: DescribedSetting) -> click.Parameter:
     shown = getattr(option, "help", None) or ""
+    if isinstance(option, Option) and not option.heading:
+        option.heading = one.of.heading
     if isinstance(option, click.Option) and "[default:" not in shown and not option.show_default:
         text = f"{one.default:g}" if isinstance(one.default, float) else str(one.default)
         if isinstance(one.default, tuple):
@@ -410,7 +521,12 @@ def _option_of(one: DescribedSetting) -> click.Option:
     """The option of a setting: its name, the form of its value, and its help."""
     interface, kind = one.of.interface, one.of.type
     assert interface is not None
-    form: dict[str, Any] = {"help": one.of.field.description, "metavar": interface.metavar}
+    form: dict[str, Any] = {
+        "help": one.of.field.description,
+        "metavar": interface.metavar,
+        "common": interface.common,
+        "heading": one.of.heading,
+    }
     names = [option_of(one.name), one.name]
     if interface.flags:
         (yes, first), (no, second) = interface.flags
@@ -429,7 +545,7 @@ def _option_of(one: DescribedSetting) -> click.Option:
         form["callback"] = wavelength_unit
     if form.get("multiple"):
         form["help"] += " Repeatable."
-    return click.Option(names, **form)
+    return Option(names, **form)
 
 
 def _type_of(one: DescribedSetting) -> click.ParamType | type:

@@ -23,20 +23,26 @@ from chromanoise.base import (
     setting_of_study,
     write_all_whole,
 )
+from chromanoise.cli.options import own_option
 from chromanoise.io import Table, table_writer
 
 _ANOTHER = "name another file"
 
-json_option = click.option(
-    "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
+json_option = own_option(
+    "--json",
+    "json_target",
+    metavar="FILE|-",
+    heading="Output",
+    help="Write JSON; - for standard output.",
 )
 
 _FAILED = 3  # exit code
 
-fail_if_option = click.option(
+fail_if_option = own_option(
     "--fail-if",
     "fail_if",
     multiple=True,
+    heading="Output",
     metavar='"KEY < NUMBER"',
     help="Exit with code 3 and one sentence if a key of the JSON has such a value, or none, for "
     'any sensor: "snr_y_db < 30"; also <=, >, >=, ==, !=. Repeatable. Keys: `chromanoise schema`.',

@@ -1,6 +1,7 @@
 """``chromanoise simulate``."""
 
 import time
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -10,8 +11,17 @@ import click
 
 from chromanoise.base import __version__, claimed_folder, refuse_unwritable
 from chromanoise.cli.analyses import print_copy
-from chromanoise.cli.options import WHOLE, command, copy_option, matrix_option, with_settings
+from chromanoise.cli.options import (
+    WHOLE,
+    command,
+    copy_option,
+    matrix_option,
+    notes_option,
+    own_option,
+    with_settings,
+)
 from chromanoise.cli.output import progress_of, write_json
+from chromanoise.cli.terminal_tables import short_note
 from chromanoise.imaging import Work, any_picture, cluster, is_held
 from chromanoise.noise import conditions
 from chromanoise.spectra import row_source
@@ -31,29 +41,43 @@ from chromanoise.study import (
 @command()
 @with_settings("render")
 @click.argument("cube", metavar="CUBE")
-@click.option(
+@own_option(
     "--sensor",
     "sensors",
+    heading="Sensor",
     multiple=True,
     required=True,
     help="A name of `chromanoise catalog sensors`, or a file; repeatable.",
 )
 @matrix_option
-@click.option("--threads", type=WHOLE, help="Number of threads. [default: one per core]")
-@click.option("--tile", type=WHOLE, help="Rows in memory at a time. [default: 8 MB to 1 GB]")
-@click.option(
+@own_option(
+    "--threads",
+    type=WHOLE,
+    common=False,
+    help="Number of threads. [default: one per core]",
+)
+@own_option(
+    "--tile",
+    type=WHOLE,
+    common=False,
+    help="Rows in memory at a time. [default: 8 MB to 1 GB]",
+)
+@own_option(
     "--scheduler",
+    common=False,
     metavar="ADDRESS|local",
     help="Compute on a dask cluster; the result is bit-identical.",
 )
-@click.option(
+@own_option(
     "-o",
     "--out",
+    heading="Output",
     type=click.Path(path_type=Path),
     default=Path("out/simulate"),
     show_default=True,
     help="Folder for the pictures and summary.json.",
 )
+@notes_option
 @copy_option
 def simulate(
     cube: str,
@@ -63,6 +87,7 @@ def simulate(
     threads: int | None,
     tile: int | None,
     scheduler: str | None,
+    whole_notes: bool,
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -81,16 +106,18 @@ def simulate(
     refuse_unwritable(out)
     refuse_other_pictures(study, out)
     work = Work(threads=threads, tile_rows=tile)
-    for line, notes in _taken(study, work, out, scheduler):
+    sentence, lines = _taken(study, work, out, scheduler)
+    click.echo(sentence)
+    for line, notes in lines:
         click.echo(line)
         for note in notes:
-            click.echo(note, err=True)
+            click.echo(note if whole_notes else short_note(note), err=True)
 
 
 def _taken(
     study: Study, work: Work, out: Path, scheduler: str | None
-) -> list[tuple[str, list[str]]]:
-    """Take and write the pictures: for each a line and its notes."""
+) -> tuple[str, list[tuple[str, list[str]]]]:
+    """Take and write the pictures: a sentence on all, and for each a line and its notes."""
     points = operating_points_of(study)
     makers = makers_of(study)
     cube, cameras = prepared_cameras(study, 0, points, makers)
@@ -124,7 +151,20 @@ def _taken(
         }
         write_json(summary, str(folder / "summary.json"))
     click.echo(f"at {conditions(points)}", err=True)
-    return lines
+    return _sentence(summaries), lines
+
+
+def _sentence(summaries: Sequence[Mapping[str, Any]]) -> str:
+    """How many pictures there are, and the largest share of a channel above full well."""
+    count = f"{len(summaries)} picture{'' if len(summaries) == 1 else 's'}"
+    share, channel, label = max(
+        (share, channel, one["label"])
+        for one in summaries
+        for channel, share in one["above_full_well_share"].items()
+    )
+    if not share:
+        return f"{count}: no pixel is above full well."
+    return f"{count}: most pixels are above full well in {channel} of {label}, {100 * share:.1f} %."
 
 
 def _line(taken: TakenPicture, out: Path) -> str:

@@ -75,8 +75,13 @@ def run(
     error, the folder stays as it was. Every result records version, study, seed and hash;
     `chromanoise rerun` runs the study of a result again and compares the results.
     """
-    parsed = read_study(study, changes, change_label="--set")
-    failed = print_run(parsed, out or Path("out") / study.stem, threads, fail_if=fail_if)
+    failed = print_run(
+        read_study(study, changes, change_label="--set"),
+        out or Path("out") / study.stem,
+        threads,
+        answers=True,
+        fail_if=fail_if,
+    )
     leave_if_failed(failed)
 
 

@@ -1,5 +1,6 @@
 """Results as tables on a terminal: analyses, comparisons, matrices, machine readings."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
@@ -33,6 +34,7 @@ from chromanoise.study import (
     QuantityMap,
     Rank,
     band_sentence,
+    best_cells,
     best_of,
     by_matrix,
     color_snr_db,
@@ -100,8 +102,63 @@ def print_conditions(text: str) -> None:
     terminal().print(f"At {text}:", soft_wrap=True)
 
 
-def print_analyses(analyses: Iterable[Analysis]) -> None:
-    """Print the sensors in two tables, channels and color, and notes."""
+_LONGEST_NOTE = 120  # characters of a note on one line
+_ENDS_OF_CLAUSES = re.compile(r"; |: |, | \(")
+
+Note = tuple[str, str]
+"""The name of a sensor and a note on it; an empty name for a note on all of them."""
+
+
+def short_note(text: str) -> str:
+    """A note up to the last clause that ends within 120 characters, with " ..." where it is cut.
+
+    Examples
+    --------
+    >>> short_note("a channel is saturated")
+    'a channel is saturated'
+    >>> short_note("curves are extrapolated by hold, " + "as they end before 1050 nm " * 5)
+    'curves are extrapolated by hold ...'
+    """
+    if len(text) <= _LONGEST_NOTE:
+        return text
+    ends = [found.start() for found in _ENDS_OF_CLAUSES.finditer(text, 0, _LONGEST_NOTE)]
+    whole = [end for end in ends if text.count("(", 0, end) == text.count(")", 0, end)]
+    end = max(whole, default=text.rfind(" ", 0, _LONGEST_NOTE))
+    return f"{text[:end]} ..."
+
+
+def print_notes(notes: Sequence[Note], *, whole: bool, details: Sequence[Note] = ()) -> None:
+    """Print each note on one line with the names of its sensors; how many are cut or omitted.
+
+    Parameters
+    ----------
+    whole
+        Whether to print all in full.
+    details
+        Notes that are printed only in full.
+    """
+    sensors: dict[str, list[str]] = {}
+    for name, text in (*notes, *(details if whole else ())):
+        sensors.setdefault(text, []).append(name)
+    for text, names in sensors.items():
+        said = ", ".join(dict.fromkeys(filter(None, names)))
+        start = f"{said}: " if said else ""
+        print_lines([f"{start}{text if whole else short_note(text)}"])
+    cut = sum(short_note(text) != text for text in sensors)
+    if not whole and (cut or details):
+        counts = [(cut, "in full"), (len(details), "more")]
+        said = " and ".join(f"{count} {what}" for count, what in counts if count)
+        print_lines([f"Notes: {said} with --notes."])
+
+
+def print_analyses(analyses: Iterable[Analysis], *, whole_notes: bool = False) -> None:
+    """Print the sensors in two tables, channels and color, and notes.
+
+    Parameters
+    ----------
+    whole_notes
+        As ``whole`` of `print_notes`.
+    """
     console = terminal()
     analyses = tuple(analyses)
     metric = metric_of(analyses)
@@ -131,28 +188,25 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
     ):
         left = head == "sensor"
         color.add_column(head, justify="left" if left else "right", overflow="fold")
-    notes: list[str] = []
+    notes: list[Note] = []
     for analysis in analyses:
         _add_channels(channels, analysis)
         _add_color(color, analysis)
-        notes += [f"{analysis.sensor.label}: {note}" for note in diagnosis(analysis)]
-        notes.append(_angles(analysis))
+        notes += [(analysis.sensor.label, note) for note in diagnosis(analysis)]
     console.print(channels)
     console.print(color)
-    for note in filter(None, notes):
-        console.print(note, soft_wrap=True)
+    angles = [(one.sensor.label, _angles(one)) for one in analyses]
+    print_notes(notes, whole=whole_notes, details=[one for one in angles if one[1]])
 
 
 def print_comparison(
     curves: Sequence[Curve],
     ranks: Sequence[Rank],
-    sentences: Sequence[str],
     bands: Sequence[CrossoverBand],
 ) -> None:
-    """Print the quantity and the color error over the sweep, then sentences and bands.
+    """Print the quantity and the color error over the sweep, then bands of crossovers.
 
-    With more than three sensors, a ranking is printed as well, and of the bands only those of pairs
-    that a sentence tells of.
+    With more than three sensors, a ranking is printed as well.
     """
     console = terminal()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
@@ -177,7 +231,7 @@ def print_comparison(
     if many:
         what = f"{quantity.what} [{quantity.unit}]"
         print_ranking(ranks, f"Ranking at the fixed settings by {what}")
-    for sentence in (*sentences, *map(band_sentence, bands)):
+    for sentence in map(band_sentence, bands):
         console.print(sentence, soft_wrap=True)
     if many:
         console.print("--json has the crossovers of all pairs.")
@@ -213,6 +267,9 @@ def _grid(one: QuantityMap, cells: Sequence[Sequence[str]], title: str) -> Table
     table = Table(title=f"{title}, {over}", title_justify="left")
     table.add_column("", justify="right")
     columns, rows = (_some(at.size) for at in (one.at, one.second_at))
+    for best in best_cells([one]):  # its values are shown
+        columns = sorted({*columns, *np.flatnonzero(one.at == best.at).tolist()})
+        rows = sorted({*rows, *np.flatnonzero(one.second_at == best.second_at).tolist()})
     for k in columns:
         table.add_column(f"{one.at[k]:.4g}", justify="right")
     for j in rows:
@@ -327,8 +384,7 @@ def _angles(analysis: Analysis) -> str:
         if k > i
     ]
     return (
-        f"{analysis.sensor.label}: angles between channels in the {metric_of([analysis])} [deg]: "
-        f"{', '.join(pairs)}"
+        f"angles between channels in the {metric_of([analysis])} [deg]: {', '.join(pairs)}"
         if pairs
         else ""
     )

@@ -120,7 +120,7 @@ class Pixel:
         float,
         Property(
             label="read noise", unit="e-", least=0.0, most=_MOST, slider=(0.1, 100.0, 0.01),
-            logarithmic=True,
+            logarithmic=True, common=True,
             help="Standard deviation of the read noise [e-].",
             growth=Growth(readings=0.5),
         ),

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         contravariant_snr_db as contravariant_snr_db,
         diagnosis as diagnosis,
         electrons_at as electrons_at,
+        input_notes,
         mean_color_error as mean_color_error,
         metric_of as metric_of,
         mix_sentence,
@@ -169,6 +170,14 @@ if TYPE_CHECKING:
         merits_of as merits_of,
         visual_merits,
     )
+    from chromanoise.study.optima import (
+        BestCell as BestCell,
+        Optimum as Optimum,
+        best_cell_sentences,
+        best_cells,
+        optima,
+        optima_sentences,
+    )
     from chromanoise.study.pixel_files import (
         converter_of as converter_of,
         idle_answers as idle_answers,
@@ -265,6 +274,7 @@ if TYPE_CHECKING:
         RecordedRun as RecordedRun,
         agreement_of as agreement_of,
         agreement_text as agreement_text,
+        answers_of,
         read_record as read_record,
         recorded_run as recorded_run,
         refuse_other_pictures as refuse_other_pictures,

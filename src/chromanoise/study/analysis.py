@@ -670,21 +670,34 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     analysis
         Results of one sensor.
     """
-    sensor = analysis.sensor
-    notes = (
-        *sensor.notes,
-        *analysis.scene.illuminant.notes,
-        *observer_notes(analysis.matrix.observer),
-        *reflectance_notes(analysis.point),
-        *analysis.matrix.notes,
-    )
     return (
-        *notes,
+        *input_notes(analysis.point, analysis.matrix),
         *_channel_notes(analysis),
         *_crosstalk_notes(analysis),
         *_converter_notes(analysis),
         *_color_notes(analysis),
         *_frame_notes(analysis),
+    )
+
+
+def input_notes(
+    operating_point: OperatingPoint, matrix: ColorMatrix | None = None
+) -> tuple[str, ...]:
+    """Notes on what a result is computed from: curves, light, observer, reflectances, matrix.
+
+    Parameters
+    ----------
+    matrix
+        The color matrix of the sensor; ``None`` where there are several.
+    """
+    of_matrix = () if matrix is None else matrix.notes
+    observer = operating_point.observer if matrix is None else matrix.observer
+    return (
+        *operating_point.sensor.notes,
+        *operating_point.illuminant.notes,
+        *observer_notes(observer),
+        *reflectance_notes(operating_point),
+        *of_matrix,
     )
 
 

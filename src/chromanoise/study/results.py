@@ -81,6 +81,13 @@ from chromanoise.study.color_noise import (
     white_snr_db,
 )
 from chromanoise.study.merits import Merits, merits_of
+from chromanoise.study.optima import (
+    BestCell,
+    Optimum,
+    best_cell_sentences,
+    best_cells,
+    optima_sentences,
+)
 from chromanoise.study.ranking import (
     MOST_PAIRS_SENSORS,
     Crossover,
@@ -805,6 +812,17 @@ class MatrixResult(Result):
         return self._html(f"{self.report.made_by} at {conditions([self.point])}")
 
 
+def _matrix_sentence(one: MatrixResult) -> str:
+    report = one.report
+    snr = None if report.snr_db is None else report.snr_db.get("Y")
+    noise = "no SNR of Y" if snr is None else f"an SNR of Y of {snr:.2f} dB"
+    error = number_text(report.color_error_mean, none="undefined")
+    return (
+        f"With the matrix {report.made_by}, {one.point.sensor.label} has a mean color error of "
+        f"{error} Delta E*ab over {report.chart} and {noise} on {report.patch}."
+    )
+
+
 def _color_error_text(one: MatrixResult) -> str:
     error = number_text(one.report.color_error_mean, none="undefined")
     return f"{one.point.sensor.label} {error} Delta E*ab"
@@ -820,10 +838,15 @@ class Matrices(Result):
         Name of the method.
     """
 
-    KEYS: ClassVar[JsonKeys] = (JsonKey("sensors", "results"),)
+    KEYS: ClassVar[JsonKeys] = (JsonKey("sensors", "results"), "sentences")
 
     method: str
     results: tuple[MatrixResult, ...]
+
+    @property
+    def sentences(self) -> list[str]:
+        """Of each sensor the mean color error with the matrix, and the SNR of Y."""
+        return [_matrix_sentence(one) for one in self.results]
 
     def to_table(self) -> Table:
         """One row per coordinate; of several sensors, per sensor and coordinate."""
@@ -859,6 +882,8 @@ class Comparison(Result):
         The sensors from best to worst at their operating points, per matrix.
     leads
         Where which sensor is the best of all, per matrix.
+    optima
+        At which value of the sweep each sensor is best, per matrix, and between which values.
     equal, prior
         The exposure rule, and the training set of trained matrices.
     """
@@ -869,7 +894,8 @@ class Comparison(Result):
         JsonKey("quantity", "curves.0.quantity"),
         *("curves", "crossovers"),
         JsonKey("observer", "points.0.observer"),
-        *("equal", "prior", "bands", "ranking", "leads"),
+        *("equal", "prior", "bands", "ranking", "leads", "optima"),
+        JsonKey("sentences", "shown_sentences"),
     )
     OF_QUANTITY: ClassVar[tuple[str, ...]] = ("curves", LIST, "value")  # the key of the quantity
 
@@ -879,6 +905,7 @@ class Comparison(Result):
     bands: tuple[CrossoverBand, ...]
     ranking: tuple[Rank, ...]
     leads: tuple[Lead, ...]
+    optima: tuple[Optimum, ...]
     equal: str
     prior: str
 
@@ -903,14 +930,15 @@ class Comparison(Result):
 
     @property
     def shown_sentences(self) -> list[str]:
-        """The sentences on `shown_crossovers`, and on the matrices of each sensor if several.
+        """The optimum of each sensor, `shown_crossovers`, the matrices of each sensor if several.
 
-        Of more than three sensors, they begin with those on the leaders.
+        Of more than three sensors, the leaders follow the optima.
         """
         many = len(self.points) > MOST_PAIRS_SENSORS
         first = lead_sentences(self.leads) if many else []
         first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
-        return [*first, *(crossover_sentence(one) for one in self.shown_crossovers)]
+        best = optima_sentences(self.optima)
+        return [*best, *first, *(crossover_sentence(one) for one in self.shown_crossovers)]
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""
@@ -955,7 +983,8 @@ class ComparisonMap(Result):
         JsonKey("quantity", "maps.0.quantity"),
         *("maps", "best"),
         JsonKey("crossovers", "lines"),
-        *("equal", "prior", "ranking"),
+        *("equal", "prior", "ranking", "optima"),
+        JsonKey("sentences", "shown_sentences"),
     )
     OF_QUANTITY: ClassVar[tuple[str, ...]] = ("maps", LIST, "value")
 
@@ -975,6 +1004,16 @@ class ComparisonMap(Result):
             ]
             for name, mine in by_matrix(self.maps).items()
         }
+
+    @property
+    def optima(self) -> tuple[BestCell, ...]:
+        """The pair of values at which each sensor is best, per matrix."""
+        return best_cells(self.maps)
+
+    @property
+    def shown_sentences(self) -> list[str]:
+        """The best pair of values of each sensor."""
+        return best_cell_sentences(self.optima)
 
     def to_table(self) -> Table:
         """One row per pair of values; a column per sensor and matrix, and the best per matrix."""
@@ -999,7 +1038,7 @@ class ComparisonMap(Result):
         )
 
     def _repr_html_(self) -> str:
-        return self._html(f"From {conditions(self.points)}")
+        return self._html(f"From {conditions(self.points)}", self.shown_sentences)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

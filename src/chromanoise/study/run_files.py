@@ -67,6 +67,21 @@ class RecordedRun:
     folder: Path
 
 
+def answers_of(files: Sequence[Path]) -> list[str]:
+    """The first sentence of each result of a run that has sentences, each once.
+
+    Parameters
+    ----------
+    files
+        Of `run_study`.
+    """
+    sentences = []
+    for file in files:
+        result = json.loads(file.read_bytes())["result"]
+        sentences += (result.get("verdict") or result).get("sentences", [])[:1]
+    return list(dict.fromkeys(sentences))
+
+
 def run_study(
     study: Study,
     folder: Path,

@@ -36,6 +36,7 @@ from chromanoise.study.assembly import (
 )
 from chromanoise.study.color_matrices import MatrixMaker
 from chromanoise.study.color_noise import noise_weights, pareto_of
+from chromanoise.study.optima import optima
 from chromanoise.study.ranking import (
     CrossoverBand,
     crossover_bands,
@@ -505,6 +506,7 @@ def _sweep(study: Study, points: Points, makers: Makers, number: int) -> Step:
             bands=bands,
             ranking=ranking(points, makers, quantity),
             leads=leads(curves, crossed),
+            optima=optima(points, makers, curves),
             equal=study.exposure.equal,
             prior=study.prior,
         )

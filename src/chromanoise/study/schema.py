@@ -11,7 +11,17 @@ from functools import reduce
 from importlib import resources
 from pathlib import Path
 from types import MappingProxyType, UnionType
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+)
 
 from chromanoise.base import (
     After,
@@ -222,10 +232,14 @@ _NEGATIVES = {
 class Part(Record):
     """A part of a study: immutable, without unknown keys, without conversion between types."""
 
+    heading: ClassVar[str] = ""
+    """Over the options of its settings in the help of a command."""
+
 
 class LightPart(Part):
     """The light on the scene."""
 
+    heading = "Light"
     illuminant: str = setting(
         "E",
         "Illuminant: E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, "
@@ -233,9 +247,10 @@ class LightPart(Part):
         "file of one curve (any format of `chromanoise inspect`), or another name of `chromanoise "
         "catalog illuminants`.",
         curves=True,
+        common=True,
     )
     level_lux: Annotated[Positive, _within("lx", 1e-15, 1e15)] = setting(
-        10.0, "Illuminance [lx].", keyword="lux"
+        10.0, "Illuminance [lx].", keyword="lux", common=True
     )
     beyond: Beyond = setting(
         "refuse",
@@ -284,6 +299,7 @@ def _with_properties(
                     "logarithmic": one.logarithmic and bool(one.slider and one.slider[0] > 0),
                     "needs": one.needs,
                     "later": one.later,
+                    "common": one.common,
                     **interface,
                 },
             ),
@@ -299,6 +315,7 @@ def _with_properties(
 
 @_with_properties(beside_their_needs(PIXEL))
 class _FileAndPixelPart(Part, _PixelNames):
+    heading = "Pixel"
     file: str | None = setting(
         None,
         "EMVA 1288 data sheet, DNG noise profile or photon transfer table: the pixel of all "
@@ -364,6 +381,7 @@ class PixelPart(_FileAndPixelPart):
 class AnswersPart(Part):
     """Metadata that a file of QE curves lacks."""
 
+    heading = "Files of curves"
     scale: Scale | None = setting(
         None,
         "Whether the QE values are percent or fractions.",
@@ -408,6 +426,7 @@ def _printable(text: str, place: Any) -> str:
 class ReflectancesPart(Part):
     """The reflectances that replace the ColorChecker and the perfect white."""
 
+    heading = "Reflectances"
     chart: str | None = setting(
         None,
         "File of reflectances for color error, noise per patch and total error instead of the "
@@ -469,6 +488,7 @@ _BEFORE = "none; e.g. ircut-650"
 class SensorPart(Part):
     """One sensor."""
 
+    heading = "Sensor"
     name: str = Field(
         description="Name of the catalog, or a file of QE curves, relative to the study's folder."
     )
@@ -496,6 +516,7 @@ class SensorPart(Part):
         "catalog filters`, or a file of one transmittance (any format of `chromanoise inspect`).",
         metavar="NAME|FILE",
         curves=True,
+        common=True,
         label="Filter on the sensor",
         hint=_BEFORE,
         file="spectrum",
@@ -571,6 +592,7 @@ class SensorPart(Part):
 class ExposurePart(Part):
     """Exposure time, lens, and the rule by which the sensors are compared."""
 
+    heading = "Exposure"
     equal: Literal["exposure", "saturation", "light"] = setting(
         DEFAULT_RULE,
         "What is equal for all sensors. exposure: the time. saturation: the share of full well, "
@@ -581,6 +603,7 @@ class ExposurePart(Part):
         None,
         "Exposure time [ms], the same for all sensors; default: solved from the share of full "
         "well.",
+        common=True,
     )
     saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = setting(
         DEFAULT_SHARE,
@@ -588,7 +611,7 @@ class ExposurePart(Part):
         "time is solved.",
     )
     f_number: Annotated[Positive, After(_of_a_lens)] = setting(
-        DEFAULT_F_NUMBER, "f-number of the lens."
+        DEFAULT_F_NUMBER, "f-number of the lens.", common=True
     )
     magnification: Finite | None = setting(
         None,
@@ -629,6 +652,7 @@ _MOST_VALUES = 1_000_000
 class SecondSweepPart(Part):
     """A second parameter of a sweep: the quantity on a grid of pairs of values."""
 
+    heading = "Sweep"
     vary: Annotated[str, Known(SWEEPS)] = setting(
         ...,
         "Second parameter that varies; the names are those of the sweep.",
@@ -662,6 +686,7 @@ class SecondSweepPart(Part):
 class SweepPart(Part):
     """One parameter that varies, or two, and the quantity to compute."""
 
+    heading = "Sweep"
     vary: Annotated[str, Known(SWEEPS)] = setting(
         ..., f"Parameter that varies: {', '.join(SWEEPS)}.", option="sweep", part="NAME"
     )
@@ -671,7 +696,7 @@ class SweepPart(Part):
     last: Finite = setting(..., "Highest value.", option="sweep", part="LAST")
     points: Annotated[int, Field(ge=2, le=100_000)] = setting(61, "Number of values of the sweep.")
     quantity: Annotated[str, Known(QUANTITIES)] = setting(
-        "snr-y", f"Quantity to compare: {', '.join(QUANTITIES)}."
+        "snr-y", f"Quantity to compare: {', '.join(QUANTITIES)}.", common=True
     )
     all_priors: bool = setting(
         False, "Also the range of each crossover over all priors.", option="prior", part="all"
@@ -711,6 +736,7 @@ class SweepPart(Part):
 class PicturePart(Part):
     """Pictures of one cube with every sensor, as `chromanoise simulate` renders them."""
 
+    heading = "Picture"
     cube: Annotated[str, Known(BUILTIN_CUBES, others=True)] = Field(
         "builtin:checker", description=f"{', '.join(BUILTIN_CUBES)}, or a file."
     )
@@ -752,6 +778,7 @@ class PicturePart(Part):
         "rows, e.g. RG/GB or 'R G/IR B'. Without it all channels are at every pixel, as in the "
         "paper.",
         metavar="NAME|ROWS",
+        common=True,
     )
     demosaic: Annotated[str, Known(DEMOSAICING)] | None = setting(
         None,
@@ -774,6 +801,7 @@ class PicturePart(Part):
         None,
         "Denoising of the electrons with their known noise, before the color matrix: "
         f"{', '.join(DENOISING)}; raw codes are not denoised; default: no denoising.",
+        common=True,
     )
     formats: Annotated[tuple[Annotated[str, Known(FORMATS)], ...], Field(min_length=1)] | None = (
         setting(
@@ -782,6 +810,7 @@ class PicturePart(Part):
             "mosaic.",
             option="format",
             metavar="NAME[,NAME...]",
+            common=True,
         )
     )
     clip: bool = setting(
@@ -818,6 +847,7 @@ _OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
 class ParetoPart(Part):
     """Curve of color error against noise, for a range of weights of the noise."""
 
+    heading = "Color"
     first: Positive = setting(
         ...,
         "Lowest weight of the noise; 1 is LMMSE, and weights near 0 approach least squares.",
@@ -836,6 +866,7 @@ class ParetoPart(Part):
 class PipelinePart(Part):
     """The camera's own pipeline: noise of the ColorChecker after each of its steps."""
 
+    heading = "Pipeline of the camera"
     run: bool = setting(
         False,
         "Noise of each ColorChecker patch after each step of the camera's own pipeline: raw, "
@@ -947,6 +978,7 @@ def pipeline_settings(part: PipelinePart, light: Illuminant | None = None) -> Pi
 class OutputsPart(Part):
     """The outputs of a run."""
 
+    heading = "Results"
     analyses: bool = setting(
         True,
         "Signal and noise of each sensor at every stage (raw, spectral, color), for each matrix.",
@@ -962,11 +994,13 @@ class OutputsPart(Part):
     budget: bool = setting(
         True,
         "SNR loss per cause [dB]: X, Y, Z, contravariant, L*, a*, b*.",
+        common=True,
         label="SNR budget",
     )
     merit: bool = setting(
         False,
         "Figures of merit: Neugebauer, Vora, SMI, SNR10, ISO speed, visual noise, bits ...",
+        common=True,
         label="Figures of merit",
     )
     chart: bool = setting(
@@ -981,6 +1015,7 @@ class OutputsPart(Part):
         "eye",
         "Who judges. eye: by color and its noise. machine: by the distance of patches in raw "
         "values, in units of their noise.",
+        common=True,
     )
     matrix: bool = setting(
         False,
@@ -1021,6 +1056,7 @@ class Study(Part):
         If a field is missing, unknown or invalid, or a setting has no effect.
     """
 
+    heading = "Color"
     schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
         SCHEMA, alias="schema", description=f"Version of this format: {SCHEMA}."
     )
@@ -1043,6 +1079,7 @@ class Study(Part):
         0,
         "Seed of all random noise; sensors with different names have independent noise.",
         label="Seed of the noise",
+        heading="Picture",
         slider=(0, 99, 1),
     )
     light: LightPart = Field(LightPart(), description="The light on the scene.")
@@ -1180,11 +1217,20 @@ class KeyOfStudy:
         Its type, default and description.
     interface
         How interfaces offer it; ``None`` for a key of study files alone.
+    part
+        The part of a study that it is in.
     """
 
     key: str
     field: DeclaredField
     interface: Interface | None
+    part: type[Record]
+
+    @property
+    def heading(self) -> str:
+        """Over its option in the help of a command."""
+        own = self.interface.heading if self.interface is not None else ""
+        return own or str(getattr(self.part, "heading", ""))
 
     @property
     def keyword(self) -> str | None:
@@ -1255,7 +1301,7 @@ def _walked(model: type[Record], prefix: str) -> Iterator[KeyOfStudy]:
             yield from _walked(part, f"{key}.{index}")
             continue
         interface = next((one for one in field.metadata if isinstance(one, Interface)), None)
-        yield KeyOfStudy(key=key, field=field, interface=interface)
+        yield KeyOfStudy(key=key, field=field, interface=interface, part=model)
 
 
 KEYS: Mapping[str, KeyOfStudy] = MappingProxyType({one.key: one for one in _walked(Study, "")})

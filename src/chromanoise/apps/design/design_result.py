@@ -43,6 +43,7 @@ from chromanoise.apps.design.optimizing import (
 )
 from chromanoise.apps.design.parameters import Parameter
 from chromanoise.apps.design.search import FrontResult, Progress, Scheduler, searched_front
+from chromanoise.apps.design.space import LEAST_SHARE
 from chromanoise.base import (
     InputError,
     __version__,
@@ -85,6 +86,8 @@ _ALIKE = 0.005  # relative difference below which no percentage is printed
 def held_by(member: Member, parameters: Sequence[Parameter]) -> list[str]:
     """The active constraints and bounds of a member, such as ``R.center_nm <= 680``.
 
+    Bounds of pixels are those of the shares of the channels, e.g. ``R.pixels >= 1 %``.
+
     Parameters
     ----------
     parameters
@@ -94,11 +97,43 @@ def held_by(member: Member, parameters: Sequence[Parameter]) -> list[str]:
     for value, one in zip(np.asarray(member.values).tolist(), parameters, strict=True):
         if one.choices:
             continue
-        if value - one.low <= _AT_BOUND * one.span:
-            bounds.append(f"{one.name} >= {one.low:g}")
-        if one.high - value <= _AT_BOUND * one.span:
-            bounds.append(f"{one.name} <= {one.high:g}")
-    return [*member.active, *bounds]
+        low, high = (abs(value - end) <= _AT_BOUND * one.span for end in (one.low, one.high))
+        if _is_of_rest(one):  # all of the rest leaves the least share to the channels behind
+            names = [] if member.sensor is None else list(member.sensor.names)
+            own = one.name.removesuffix(_OF_REST)
+            behind = names[names.index(own) + 1 :] if own in names else []
+            least = [*([own] if low else []), *(behind if high else [])]
+            bounds += [f"{name}.pixels >= {100 * LEAST_SHARE:g} %" for name in least]
+            continue
+        bounds += [f"{one.name} >= {one.low:g}"] if low else []
+        bounds += [f"{one.name} <= {one.high:g}"] if high else []
+    return [*member.active, *dict.fromkeys(bounds)]
+
+
+_OF_REST = ".share_of_rest"
+
+
+def _is_of_rest(parameter: Parameter) -> bool:
+    """Whether a number is a share of the pixels that the channels before it leave."""
+    return parameter.name.endswith(_OF_REST)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShownNumber:
+    """A designed number of all members for a table.
+
+    Attributes
+    ----------
+    values
+        One per member. [unit]
+    bounds
+        Its range in words.
+    """
+
+    name: str
+    unit: str
+    values: tuple[float, ...]
+    bounds: str
 
 
 def front_sentences(
@@ -409,6 +444,7 @@ class Design(Result):
             if all(np.isfinite(one.objectives[name]) for name in names)
         }
         sentences = front_sentences(self.front, self.task.space.parameters, references)
+        sentences += self._pixel_sentences()
         sentences += [
             f"{one.name} is not compared: it saturates or has an undefined objective."
             for one in self.references
@@ -436,6 +472,60 @@ class Design(Result):
     @property
     def _beside(self) -> tuple[Mapping[str, float], ...]:
         return self.beside or ({},) * len(self.members)
+
+    def pixel_percent(self, member: Member) -> dict[str, float]:
+        """Share of the pixels of each channel of a member; empty where they are not free. [%]
+
+        Parameters
+        ----------
+        member
+            A member of the front.
+        """
+        space = self.task.space
+        found = space.shares(np.asarray(member.values, dtype=float)[None, :])
+        if found is None or space.pixel_shares != "free":
+            return {}
+        return dict(zip(space.names, (100.0 * found[0].real).tolist(), strict=True))
+
+    def shown_numbers(self) -> tuple[ShownNumber, ...]:
+        """The free numbers, with the shares of the pixels of all channels in percent.
+
+        A search varies each share as part of what the channels before leave (``share_of_rest``).
+        """
+        found: list[ShownNumber] = []
+        parameters = self.task.space.parameters
+        shares = [self.pixel_percent(one) for one in self.members]
+        most = 1.0 - (len(self.task.space.channels) - 1) * LEAST_SHARE
+        bounds = f"{100 * LEAST_SHARE:g} to {100 * most:g}"
+        for i, one in enumerate(parameters):
+            if not _is_of_rest(one):
+                values = tuple(float(member.values[i]) for member in self.members)
+                unit = "" if one.unit == "1" else one.unit
+                own = f"{one.low:g} to {one.high:g}"
+                found.append(ShownNumber(name=one.name, unit=unit, values=values, bounds=own))
+            elif i == 0 or not _is_of_rest(parameters[i - 1]):
+                found += [
+                    ShownNumber(
+                        name=f"{name}.pixels",
+                        unit="%",
+                        values=tuple(share[name] for share in shares),
+                        bounds=bounds,
+                    )
+                    for name in self.task.space.names
+                ]
+        return tuple(found)
+
+    def _pixel_sentences(self) -> list[str]:
+        marked = [one for one in self.members if one.extreme_of or one.knee]
+        texts = []
+        for one in marked:
+            shares = self.pixel_percent(one)
+            if shares:
+                percents = "/".join(f"{share:.0f}" for share in shares.values())
+                texts.append(f"{one.name} {percents} %")
+        if not texts:
+            return []
+        return [f"Pixels of {', '.join(self.task.space.names)}: {'; '.join(texts)}."]
 
     def sensor(self, name: str) -> Sensor:
         """The sensor of a member.
@@ -603,15 +693,17 @@ class Design(Result):
     def to_table(self) -> Table:
         """One row per reference and member: objectives, then free parameters."""
         parameters = self.task.space.parameters
-        objectives: list[Objective | Parameter] = [
-            OBJECTIVES[name] for name in self.front.objectives
-        ]
+        objectives = [OBJECTIVES[name] for name in self.front.objectives]
+        numbers = self.shown_numbers()
         beside_names = self.front.objectives if self.beside else ()
         columns = [
             Column(name="sensor"),
             *(
-                Column(name=one.name, unit="" if one.unit == "1" else one.unit, digits=".4g")
-                for one in [*objectives, *parameters]
+                Column(name=name, unit="" if unit == "1" else unit, digits=".4g")
+                for name, unit in (
+                    *((one.name, one.unit) for one in objectives),
+                    *((one.name, one.unit) for one in numbers),
+                )
             ),
             *(Column(name=f"{name}_{self.beside_name}", digits=".4g") for name in beside_names),
             Column(name="extreme of"),
@@ -620,15 +712,15 @@ class Design(Result):
         rows: list[tuple[Any, ...]] = []
         for reference in self.references:
             found = self._finite(dict(reference.objectives))
-            empty = len(parameters) + len(beside_names)
+            empty = len(numbers) + len(beside_names)
             rows.append((reference.name, *found.values(), *[None] * empty, "", ""))
-        for one, beside in zip(self.members, self._beside, strict=True):
+        for i, (one, beside) in enumerate(zip(self.members, self._beside, strict=True)):
             marks = [*one.extreme_of, *(["knee"] if one.knee else [])]
             rows.append(
                 (
                     one.name,
                     *self._finite(dict(one.objectives)).values(),
-                    *np.asarray(one.values).tolist(),
+                    *(number.values[i] for number in numbers),
                     *(self._finite(dict(beside)).values() if beside else ()),
                     ", ".join(marks),
                     ", ".join(held_by(one, parameters)),

@@ -435,6 +435,24 @@ class Sensitivity(Result):
             entry["drawn_shares"] = {k: None if v is None else v[i] for k, v in shares.items()}
         return entry
 
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """For each objective, the parameter with the largest effect, in words."""
+        texts = []
+        for objective in self.objectives:
+            known = [
+                (slope, one.parameter)
+                for one in self.effects
+                if (slope := one.slope[objective.name]) is not None
+            ]
+            if not known:
+                continue
+            slope, most = max(known, key=lambda pair: abs(pair[0]))
+            unit = "" if objective.unit == "1" else f" {objective.unit}"
+            texts.append(f"{objective.short} by {slope:+.2g}{unit} per {most.unit} of {most.name}")
+        label = self.point.sensor.label
+        return (f"The largest effects on {label} change {', '.join(texts)}.",) if texts else ()
+
     def to_table(self) -> Table:
         """One row per parameter: its effect per unit, and the budget where one was requested."""
         columns = [Column(name="parameter"), Column(name="change")]
