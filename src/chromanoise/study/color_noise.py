@@ -137,10 +137,7 @@ def noise_as_viewed(
     -----
     ISO 15739:2017, annex B, to first order at the mean color.
     """
-    to_luv = _of_gray(LUV)
-    viewed = viewed_gray(white_e, sensor, exposure, matrices, viewing)
-    variance = np.diagonal(to_luv @ viewed @ to_luv.T, axis1=-2, axis2=-1)
-    return np.asarray(np.sqrt(np.maximum(variance, 0.0)) @ ISO_15739_2017.weights)
+    return noise_in_luv(viewed_gray(white_e, sensor, exposure, matrices, viewing))
 
 
 def viewed_gray(
@@ -166,6 +163,13 @@ def viewed_gray(
     in_pixel = balanced @ in_e2 @ np.swapaxes(balanced, -1, -2)
     viewed = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
     return np.where(known, viewed, np.nan)
+
+
+def noise_in_luv(viewed: Float[Array, "*q 3 3"]) -> Float[Array, "*q"]:
+    """Visual noise of a `viewed_gray`. [CIELUV]"""
+    to_luv = _of_gray(LUV)
+    variance = np.einsum("ia,...ab,ib->...i", to_luv, viewed, to_luv)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)) @ ISO_15739_2017.weights)
 
 
 def noise_in_lab(viewed: Float[Array, "*q 3 3"]) -> Float[Array, "*q"]:

@@ -34,22 +34,22 @@ from chromanoise.color import (
     cie1976_difference,
 )
 from chromanoise.metrics import balanced_truth, viewed_covariance
-from chromanoise.noise import OperatingPoint, saturated, with_noise
+from chromanoise.noise import OperatingPoint, saturated, signal_limit_e, with_noise
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
 from chromanoise.study.color_noise import (
     PLANE,
     Viewing,
-    noise_as_viewed,
     noise_in_lab,
+    noise_in_luv,
     viewed_gray,
 )
 
 LEAST_TIE_DB = 0.05
 """A margin that one decimal does not show is a tie. [dB]"""
 _SECOND_PRIOR = "smooth-50-nir"  # its margin must agree with that of the prior of the study
-_LEVELS_LUX = tuple(float(one) for one in np.geomspace(0.01, 1000.0, 11))
+_LEVELS_LUX = tuple(float(one) for one in np.geomspace(0.01, 1000.0, 6))
 _COLORS = 3  # independent channels of a sensor that tells colors apart
 _MOST_SUBSETS = 5  # channels of which all subsets are tried
 _ROUNDING = 1e-9  # of a color error, relative
@@ -469,7 +469,7 @@ def _along_light(
                 family=np.repeat(np.arange(len(every)), [one.size for one in every]),
                 matrices=matrices,
                 color_error=chart.errors(chart.seen(matrices)).mean(axis=-1),
-                visual_noise=noise_as_viewed(white_e, sensor, exposure, matrices, viewing),
+                visual_noise=noise_in_luv(viewed),
                 noise_in_lab=noise_in_lab(viewed),
                 snr_y_db=decibel(row @ white_e / noise_lux),
             )
@@ -751,7 +751,8 @@ def _by_light(
 ) -> tuple[list[float], Float[Array, "l s"]]:
     """Levels at which no sensor is saturated, and the noise of each sensor at equal color error."""
     here = trades[0].point.level_lux
-    others = [one for one in _LEVELS_LUX if one != here]
+    fullest = min(_fullest_lux(one.point) for one in trades)
+    others = [one for one in {*_LEVELS_LUX, fullest} if one != here and one <= fullest]
     along = [_along_light(one.point, others, prior, one.viewing, _COARSE) for one in trades]
     found = {here: own}
     for level, *there in zip(others, *along, strict=True):
@@ -760,6 +761,13 @@ def _by_light(
             found[level] = _noises_at_least_error(able)
     levels = sorted(found)
     return levels, np.stack([found[level] for level in levels])
+
+
+def _fullest_lux(point: OperatingPoint) -> float:
+    """The highest of the levels at which the white saturates no channel."""
+    limit_e = signal_limit_e(point.sensor, point.exposure)
+    most = point.level_lux * float(limit_e / electrons_at(point).max())
+    return min(most, _LEVELS_LUX[-1])
 
 
 def _turns(
