@@ -21,6 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.textpath import TextToPath
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Bbox
 
 from chromanoise.base import Array, InputError, UInt8, __version__, check, write_whole
 from chromanoise.charts.budget_chart import budget_of
@@ -69,6 +70,7 @@ _SMALLEST_PT = 9.0
 _ALONE = "of luminance SNR for an eye"  # of the sentence on the one sensor that is not saturated
 _PIXELS = 1920  # across
 _EDGE_IN = 0.14
+_PLACES = 5  # of a place, as a share of the figure
 _BEYOND = 3.0  # of the highest saturation, to the end of the axis
 _MOST_BUDGETS = 3
 _SHOWN = 2  # pictures, and budgets of more sensors than three
@@ -164,12 +166,13 @@ class Card:
             If the ending is another.
         """
         check.one_of("format of a card", ending, ENDINGS)
+        dpi = math.ceil(_PIXELS / PAPERS_IN[self.paper][0])
         with _without_formulas():
-            drawn, dpi = self.figure(), math.ceil(_PIXELS / PAPERS_IN[self.paper][0])
-            if ending != "html":
-                return figure_bytes(drawn, ending, dpi=dpi)
-            svg = figure_bytes(drawn, "svg", dpi=dpi).decode("utf-8")
-        return _PAGE.format(title=escape(self.title), svg=svg[svg.index("<svg") :]).encode("utf-8")
+            written = figure_bytes(self.figure(), "svg" if ending == "html" else ending, dpi=dpi)
+        if ending != "html":
+            return written
+        own = written[written.index(b"<svg") :].decode("utf-8")
+        return _PAGE.format(title=escape(self.title), svg=own).encode("utf-8")
 
     def save(self, file: str | Path) -> None:
         """Write it; the ending of the file says how.
@@ -272,6 +275,7 @@ def _names(of: Shown) -> list[str]:
 def _ranked(of: Shown, verdict: Verdict) -> list[int]:
     """The sensors from best to worst: by the verdict, then by their SNR of Y."""
     names = [one.sensor for one in verdict.equal.standings] if verdict.equal else []
+    names = list(dict.fromkeys([*filter(None, [verdict.winner]), *names]))  # of a machine, too
 
     def place(i: int) -> tuple[int, float]:
         label, snr = of.analyses[i].sensor.label, color_snr_db(of.analyses[i])["Y"]
@@ -324,9 +328,21 @@ def _drawn(card: Card) -> Figure:
     for text in figure.findobj(Text):
         assert isinstance(text, Text)  # what is looked for
         text.set_fontsize(max(_SMALLEST_PT, float(text.get_fontsize())))
-    figure.draw_without_rendering()  # lays it out once, for every format
-    figure.set_layout_engine("none")
+    _settle(figure)
     return figure
+
+
+def _settle(figure: Figure) -> None:
+    """Lay the figure out once, rounded, because the last bits of a layout vary."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for part in figure.findobj(SubFigure):
+        assert isinstance(part, SubFigure)  # what is looked for
+        part.bbox_relative.set_points(np.round(part.bbox_relative.get_points(), _PLACES))
+        for text in part.texts:
+            text.set_position(np.round(text.get_position(), _PLACES).tolist())
+    for ax in figure.axes:
+        ax.set_position(Bbox(np.round(ax.get_position(original=True).get_points(), _PLACES)))
 
 
 def _parts(of: Figure | SubFigure, rows: int, columns: int, **ratios: Any) -> list[SubFigure]:
@@ -477,7 +493,7 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
             ax.set_xlabel("")
         else:
             draw_panel(chart, i, ax).set_axis_off()
-    who = "" if every else ": first two by the verdict"
+    who = "" if every else f": two of {len(of.analyses)} sensors"
     _heading(part, f"Budget of the SNR of Y [dB]{who}")
 
 
