@@ -219,6 +219,7 @@ _SHORT_DESIGN = DESIGN_STARTER.replace("population = 200", "population = 4").rep
 WEIGHTS = {
     **{"analyze": 24, "compare": 12, "matrix": 15, "simulate": 14, "convert": 10, "inspect": 8},
     **{
+        "card": 1,
         "catalog": 5,
         "run": 4,
         "rerun": 2,

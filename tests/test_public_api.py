@@ -47,6 +47,7 @@ NAMES = [
     "__version__",
     "analyze",
     "apps",
+    "card",
     "characterize",
     "charts",
     "color",
@@ -150,7 +151,8 @@ def test_the_rule_of_documentation_finds_each_lack():
 
 
 @pytest.mark.parametrize(
-    "name", ["analyze", "compare", "compare_map", "denoise", "matrix", "render", "sensitivity"]
+    "name",
+    ["analyze", "card", "compare", "compare_map", "denoise", "matrix", "render", "sensitivity"],
 )
 def test_help_lists_each_setting_with_the_description_of_the_study(name):
     shown = pydoc.render_doc(getattr(cn, name), renderer=pydoc.plaintext)

@@ -170,6 +170,7 @@ analyze onyx-rgbw --iso 100
 analyze onyx-rgbw --matrix ridge
 analyze onyx-rgbw --saturate 0.5 --time-ms 3
 analyze onyx-rgbw --table t.xls
+card onyx-rgb -o card.gif
 compare onyx-rgbw --sweep lux=10:1
 compare onyx-rgbw --sweep luxury=1:2
 compare onyx-rgbw --sweep lux=1:2 --lux 3

@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.api import (
         analyze as analyze,
+        card as card,
         compare as compare,
         compare_map as compare_map,
         denoise as denoise,

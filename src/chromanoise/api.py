@@ -22,6 +22,7 @@ from chromanoise.study import (
     DEFAULT_METHOD,
     Analyses,
     AnalysisSettings,
+    CardSettings,
     Comparison,
     ComparisonMap,
     ComparisonSettings,
@@ -48,6 +49,7 @@ from chromanoise.study import (
 
 if TYPE_CHECKING:
     from chromanoise.apps.design import Design, DesignStudy, Progress
+    from chromanoise.charts import Card, Paper
     from chromanoise.io.frames import RawFrame
     from chromanoise.io.spectra import Found
     from chromanoise.study import DenoisedPicture, Electrons
@@ -127,6 +129,59 @@ def analyze(
     results = _results("analyze", [matrix], sensors, settings)
     (result,) = results.analyses.values()
     return result
+
+
+@_with_listed_settings
+def card(
+    *sensors: str | Path | Sensor | object,
+    matrix: Matrix = DEFAULT_METHOD,
+    paper: "Paper" = "16:9",
+    **settings: Unpack[CardSettings],
+) -> "Card":
+    """One sheet that compares up to five sensors: verdict, curves, budgets, pictures, settings.
+
+    Parameters
+    ----------
+    sensors
+        As `analyze`.
+    matrix
+        As `analyze`.
+    paper
+        ``16:9`` for a slide, or ``a4`` across.
+    settings
+        As the options of ``chromanoise card``; see the list below.
+
+    Returns
+    -------
+    Card
+        Its ``save`` writes PDF, SVG, PNG or HTML; its ``figure`` is one of matplotlib.
+
+    Raises
+    ------
+    InputError
+        As `analyze`, or if there are more than five sensors.
+
+    Notes
+    -----
+    Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7.
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> made = cn.card("onyx-rgbw", "onyx-rgb-ircut", lux=3)
+    >>> made.verdict.winner
+    'onyx-rgb-ircut'
+    >>> made.save("card.pdf")                                               # doctest: +SKIP
+    """
+    from chromanoise.charts import card_of, shown  # loads matplotlib
+
+    try:
+        named = _Named()
+        names, rest = named.of(sensors, settings)
+        study = study_of("card", names, rest, matrices=[named.matrix(matrix)])
+        return card_of(shown(study, given=named.given), paper=paper)
+    except InputError as error:
+        raise in_arguments(error, "card") from error.__cause__
 
 
 @_with_listed_settings

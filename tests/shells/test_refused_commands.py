@@ -45,6 +45,8 @@ def inputs(here):
     np.savez("cube.npz", wavelength_nm=np.linspace(400, 1050, 14), reflectance=reflectance)
     np.save("cube.npy", np.full((3, 4, 5), 0.5))
     Path("made/summary.json").mkdir(parents=True)
+    Path("folder.svg").mkdir()
+    Path("two.svg").write_text(FILES["two.csv"])
     for name in ("loop", "loop.csv"):
         Path(name).symlink_to(name)
     os.mkfifo("queue")
@@ -334,6 +336,19 @@ CASES = [
     *(
         case(f"{command} two.csv --table two.csv", subject="--table", value="two.csv")
         for command in ("analyze", "compare", "matrix")
+    ),
+    case("card onyx-rgb -o c.gif", ".pdf, .svg, .png or .html", subject="--out", value="c.gif"),
+    case("card onyx-rgb -o taken/c.pdf", "taken", subject="taken"),
+    case("card onyx-rgb -o folder.svg", "folder.svg", subject="--out", value="folder.svg"),
+    case("card two.svg -o two.svg", subject="--out", value="two.svg"),
+    case("card -o c.pdf", "SENSOR"),
+    case("card onyx-rgb", "--out"),
+    case("card onyx-rgb --paper a3 -o c.pdf", subject="--paper", value="a3"),
+    case("card onyx-rgb --lux -1 -o c.pdf", "--lux", setting="light.level_lux"),
+    case(
+        "card onyx-rgb onyx-rgbw onyx-rgb-ircut onyx-rgbw-ircut model-rgb model-mono -o c.pdf",
+        "SENSOR must be at most 5",
+        value=6,
     ),
     case("matrix onyx-rgbw --export m.xyz", ".clf", subject="--export", value="m.xyz"),
     # conditions and comparisons of outputs

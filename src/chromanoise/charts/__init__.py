@@ -20,6 +20,13 @@ if TYPE_CHECKING:
         chart_rows as chart_rows,
         drawing as drawing,
     )
+    from chromanoise.charts.card import (
+        PAPERS_IN,
+        Card as Card,
+        Paper as Paper,
+        card_ending,
+        card_of as card_of,
+    )
     from chromanoise.charts.charted_study import (
         Look as Look,
         Shown as Shown,

@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from chromanoise.base import check
 from chromanoise.noise import OperatingPoint
 from chromanoise.study import (
+    NOTHING_GIVEN,
     Analysis,
+    Given,
     MatrixMaker,
     Study,
     analysis_of,
@@ -65,13 +67,20 @@ class Look:
             check.positive("magnification of ellipsoids", "1", self.magnification)
 
 
-def shown(study: Study, *, operating_points: Sequence[OperatingPoint] | None = None) -> Shown:
+def shown(
+    study: Study,
+    *,
+    operating_points: Sequence[OperatingPoint] | None = None,
+    given: Given = NOTHING_GIVEN,
+) -> Shown:
     """The study with the analysis of each sensor.
 
     Parameters
     ----------
     operating_points
         Its operating points, if they are already computed.
+    given
+        Objects in place of names.
 
     Raises
     ------
@@ -79,11 +88,11 @@ def shown(study: Study, *, operating_points: Sequence[OperatingPoint] | None = N
         If a name is unknown, a file cannot be read, or a matrix cannot be computed.
     """
     operating_points = (
-        operating_points_of(study)
+        operating_points_of(study, given)
         if operating_points is None
         else with_distinct_names(operating_points)
     )
-    makers = makers_of(study)
+    makers = makers_of(study, given)
     return Shown(
         study=study,
         operating_points=tuple(operating_points),

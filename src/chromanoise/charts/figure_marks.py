@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
-from matplotlib.patches import Patch, Polygon
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
+from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.ticker import EngFormatter, LogFormatter, MaxNLocator
 
 from chromanoise.base import Array, Float
@@ -21,6 +21,7 @@ from chromanoise.charts.description import (
     Panel,
     Point,
     Rule,
+    Swatches,
 )
 from chromanoise.charts.figure_style import (
     FAINT,
@@ -51,14 +52,16 @@ _SHADES = (INK, *(channel_color(name) for name in "BRG"))
 _OUTLINE = unit_circle(48)
 _THOUSANDS = 1e4
 _BAR_ROWS = 0.62  # height of the bars of a row, in rows
+_MOST_NUMBERED = 30  # patches of a row
+_LUMA, _LIGHT = (0.299, 0.587, 0.114), 0.5  # a color that is lighter has black numbers
 _LEAST_ROOM, _NUMBER_ROOM = 0.03, 0.16  # of the scale, below 0 and for the numbers beside the bars
 
 
 def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
     """Draw one panel of a chart, without its title.
 
-    Dots and swatches are drawn by the page alone. The light of a chart of sensitivities and the
-    line of the study's own level are left out.
+    Dots are drawn by the page alone. Swatches have one row per sensor here. The light of a chart
+    of sensitivities and the line of the study's own level are left out.
 
     Parameters
     ----------
@@ -70,6 +73,8 @@ def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
     panel = chart.panels[i]
     if any(isinstance(one, Bars) for one in panel.marks):
         return draw_waterfalls(chart, [i], ax)
+    if any(isinstance(one, Swatches) for one in panel.marks):
+        return _draw_swatches(panel, ax)
     curves = [one for one in panel.marks if isinstance(one, Line)]
     pointed = any(isinstance(one, Point) for one in panel.marks)
     for one in curves:
@@ -94,7 +99,23 @@ def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
     return ax
 
 
-def draw_waterfalls(chart: Chart, panels: Sequence[int], ax: Axes) -> Axes:
+def rows_of_waterfalls(chart: Chart, panels: Sequence[int]) -> list[str]:
+    """The names of the bars of some panels; a cause of some alone stands where it is among theirs.
+
+    Parameters
+    ----------
+    chart, panels
+        As `draw_waterfalls`.
+    """
+    bars = [one for i in panels for one in chart.panels[i].marks if isinstance(one, Bars)]
+    names = [_texts(chart, one) for one in bars]
+    shares = [(k / len(each), name) for each in names for k, name in enumerate(each)]
+    return list(dict.fromkeys(name for _, name in sorted(shares, key=lambda one: one[0])))
+
+
+def draw_waterfalls(
+    chart: Chart, panels: Sequence[int], ax: Axes, *, rows: Sequence[str] | None = None
+) -> Axes:
     """Draw the bars of some panels on one axes; in each row those of several sensors side by side.
 
     Parameters
@@ -105,12 +126,12 @@ def draw_waterfalls(chart: Chart, panels: Sequence[int], ax: Axes) -> Axes:
         Indices of the panels, which have bars.
     ax
         Axes of matplotlib to draw on.
+    rows
+        Names of the bars from above, where axes share them; ``None`` for those of the panels.
     """
     bars = [one for i in panels for one in chart.panels[i].marks if isinstance(one, Bars)]
     names = [_texts(chart, one) for one in bars]
-    # a cause of some sensors alone stands where it stands among theirs
-    shares = [(k / len(each), name) for each in names for k, name in enumerate(each)]
-    rows = list(dict.fromkeys(name for _, name in sorted(shares, key=lambda one: one[0])))
+    rows = rows_of_waterfalls(chart, panels) if rows is None else list(rows)
     high = _BAR_ROWS / max(1, len(bars))
     for k, (one, each) in enumerate(zip(bars, names, strict=True)):
         offset = (k - (len(bars) - 1) / 2) * high
@@ -158,6 +179,24 @@ def _draw_bars(
 
 def _texts(chart: Chart, one: Bars) -> list[str]:
     return [str(name) for name in chart.columns[one.label].values[one.first : one.last]]
+
+
+def _draw_swatches(panel: Panel, ax: Axes) -> Axes:
+    """A row of patches per sensor under their true colors, with the first number of each patch."""
+    marks = [one for one in panel.marks if isinstance(one, Swatches)]
+    count = max(len(one.colors) for one in marks)
+    for y, one in enumerate(marks):
+        for x, color in enumerate(one.colors):
+            ax.add_patch(Rectangle((x, y - 0.47), 0.97, 0.94, facecolor=color))
+        for x, (number, _) in enumerate(one.texts if count <= _MOST_NUMBERED else ()):
+            light = np.dot(to_rgb(one.colors[x]), _LUMA) > _LIGHT
+            look: dict[str, Any] = {"ha": "center", "va": "center_baseline", "fontsize": 9}
+            ax.text(x + 0.485, y, number, color="black" if light else "white", **look)
+    ax.set(xlim=(0, count), ylim=(len(marks) - 0.5, -0.5), xticks=[], yticks=range(len(marks)))
+    ax.set_yticklabels([one.name or "true color" for one in marks])
+    ax.tick_params(axis="y", length=0)
+    ax.spines[:].set_visible(False)
+    return ax
 
 
 def _draw_cells(chart: Chart, one: Cells, ax: Axes) -> None:

@@ -309,7 +309,7 @@ def shade_nir(ax: Axes, last_nm: float) -> None:
 
 _DPI = 150
 _FORMATS: dict[str, dict[str, Any]] = {  # without a date, so that equal figures are equal files
-    "png": {"dpi": _DPI},
+    "png": {},
     "svg": {"metadata": {"Date": None}},
     "pdf": {"metadata": {"CreationDate": None}},
 }
@@ -343,9 +343,15 @@ def write_figures(
     return tuple(written)
 
 
-def figure_bytes(figure: Figure, ending: str) -> bytes:
-    """The bytes of one file: ``png``, ``svg`` or ``pdf``; equal figures give equal bytes."""
+def figure_bytes(figure: Figure, ending: str, *, dpi: int = _DPI) -> bytes:
+    """The bytes of one file: ``png``, ``svg`` or ``pdf``; equal figures give equal bytes.
+
+    Parameters
+    ----------
+    dpi
+        Dots per inch of a PNG, and of pictures inside other files.
+    """
     buffer = BytesIO()
     with chromanoise_style():
-        figure.savefig(buffer, format=ending, **_FORMATS[ending])
+        figure.savefig(buffer, format=ending, **_FORMATS[ending], dpi=dpi)
     return buffer.getvalue()

@@ -71,6 +71,10 @@ COMMANDS = {
         "analyses",
         "Noise of sensors in raw, spectral and color coordinates, side by side.",
     ),
+    "card": (
+        "card",
+        "One sheet that compares sensors, for slides and paper: PDF, SVG, PNG or HTML.",
+    ),
     "simulate": (
         "simulate",
         "Render a hyperspectral cube through sensors to noisy color pictures.",

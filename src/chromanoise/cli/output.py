@@ -20,6 +20,7 @@ from chromanoise.base import (
     Setting,
     StudyError,
     errors_in,
+    refuse_unwritable,
     setting_of_study,
     write_all_whole,
 )
@@ -130,6 +131,20 @@ def refuse_taken_inputs(
         refuse_inputs(target, option, *inputs)
         if option == "--table" and target is not None:
             table_writer(Path(target))
+
+
+def refuse_unwritable_file(out: Path) -> None:
+    """Raise an error before any computation if the file cannot be written."""
+    if out.is_dir():
+        raise InputError(
+            "--out",
+            "must be a file",
+            value=str(out),
+            found=f"{out} is a folder",
+            remedy="name a file",
+        )
+    if not out.exists() or out.is_file():
+        refuse_unwritable(out.parent)
 
 
 def superfluous(option: str, why: str, value: Any, *, setting: str = "") -> InputError:

@@ -25,6 +25,7 @@ from chromanoise.cli.output import (
     leave_if_failed,
     print_lines,
     refuse_inputs,
+    refuse_unwritable_file,
     write_outputs,
 )
 from chromanoise.cli.terminal_tables import print_table
@@ -202,7 +203,7 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
     """
     parsed = read_study(study, changes, change_label="--set")
     refuse_inputs(out, "--out", str(study), *file_digests(parsed))
-    _refuse_unwritable_file(out)
+    refuse_unwritable_file(out)
     if figures is not None:
         refuse_unwritable(figures)
     source = click.get_current_context().get_parameter_source("out")
@@ -232,17 +233,3 @@ def _page(study: Study, figures: Path | None) -> bytes:
         for file in written:
             click.echo(figures / file.name)
     return page.encode("utf-8")
-
-
-def _refuse_unwritable_file(out: Path) -> None:
-    """Raise an error before any computation if the file cannot be written."""
-    if out.is_dir():
-        raise InputError(
-            "--out",
-            "must be a file",
-            value=str(out),
-            found=f"{out} is a folder",
-            remedy="name a file",
-        )
-    if not out.exists() or out.is_file():
-        refuse_unwritable(out.parent)

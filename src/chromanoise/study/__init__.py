@@ -157,6 +157,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.keywords import (
         AnalysisSettings as AnalysisSettings,
+        CardSettings as CardSettings,
         ComparisonSettings as ComparisonSettings,
         DenoiseSettings as DenoiseSettings,
         MapSettings as MapSettings,

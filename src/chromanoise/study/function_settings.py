@@ -64,12 +64,18 @@ _POINT = ("light", "exposure", "metric", "observer", "prior", "sensors")
 _OF_CURVES = (*_POINT, "reflectances")
 _NO_ANALYSES = {"outputs": {"analyses": False}}
 _SWEEP = {"vary": "lux", "first": 0.01, "last": 1000.0}
+_OF_CHECKER = [{"cube": "builtin:checker"}]
 _DECLARED = {
     "analyze": _Function(
         keys=(*_OF_CURVES, "outputs"),
         without=("outputs.pareto",),
         arguments=("matrix",),
         start={"outputs": {"budget": False}},
+    ),
+    "card": _Function(
+        keys=(*_OF_CURVES, "outputs.reader", "seed"),
+        arguments=("matrix", "paper"),
+        start={"outputs": {"budget": False}, "pictures": _OF_CHECKER},
     ),
     "compare": _Function(
         keys=(*_OF_CURVES, "sweeps"),

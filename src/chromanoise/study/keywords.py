@@ -17,6 +17,7 @@ def _keywords(name: str, function: str) -> Any:
 
 NAMES = {
     "analyze": "AnalysisSettings",
+    "card": "CardSettings",
     "compare": "ComparisonSettings",
     "compare_map": "MapSettings",
     "denoise": "DenoiseSettings",

@@ -83,6 +83,16 @@ class AnalysisSettings(_Shared, total=False):
     base_iso: float
     iso_read_noise_e: Sequence[float]
 
+class CardSettings(_Shared, total=False):
+    chart_file: str | Path | object
+    patch: float | str | Path | object
+    pairs: str | Path | object
+    reflectance_scale: Literal["fraction", "percent"]
+    reflectance_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    reflectance_beyond: Literal["hold", "refuse", "zero"]
+    reader: Literal["eye", "machine"]
+    seed: int
+
 class ComparisonSettings(_Shared, total=False):
     chart_file: str | Path | object
     patch: float | str | Path | object

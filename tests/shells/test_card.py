@@ -1,0 +1,198 @@
+"""The card: its files, its sentences and numbers, and that no text covers another or is cut off."""
+
+import base64
+import re
+from dataclasses import replace
+from functools import cache
+from io import BytesIO
+from itertools import combinations
+from unittest.mock import patch
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
+from PIL import Image
+
+import chromanoise as cn
+from chromanoise.charts import Card, brief, decimal
+from chromanoise.noise import conditions
+
+PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
+FIVE = (*PAIR, "onyx-rgb", "onyx-rgbw-ircut", "model-cmy-ircut")
+CARDS = {
+    "one": (PAIR[1:], {"lux": 3}),
+    "two on A4": (PAIR, {"lux": 3, "paper": "a4"}),
+    "two, one saturated": (PAIR, {"lux": 3, "time_ms": 60}),
+    "two with long names": (PAIR, {"labels": ["a $long$ name_of^a {sensor}, " * 2, "b" * 60]}),
+    "three for a machine": (FIVE[:3], {"lux": 0.3, "reader": "machine"}),
+    "five": (FIVE, {"lux": 3}),
+    "five on A4": (FIVE, {"lux": 1000, "illuminant": "A", "paper": "a4"}),
+}
+SMALLEST_PT = 9.0
+OVERLAP_PX = 1.0  # of the boxes, which are higher than the letters
+
+
+@cache
+def card_named(name):
+    sensors, settings = CARDS[name]
+    return cn.card(*sensors, **settings)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return cn.card(*PAIR, lux=3)
+
+
+def text_of(svg):
+    """All text of an SVG, with one space between words."""
+    root = ElementTree.fromstring(svg)
+    return " ".join(" ".join(one.itertext()) for one in root.iter() if one.tag.endswith("}text"))
+
+
+def drawn_texts(figure):
+    """Each text that is drawn: its words, size in points, and box in pixels from below."""
+    found = []
+
+    def recorded(renderer, gc, x, y, s, prop, angle, ismath=False, mtext=None):
+        width, height, descent = renderer.get_text_width_height_descent(s, prop, ismath)
+        if angle == 90:
+            box = (x - height, y - width, x, y)
+        else:
+            box = (x, y - height + descent, x + width, y + descent)
+        found.append((s, prop.get_size_in_points(), np.array(box, dtype=float)))
+
+    with patch.object(RendererAgg, "draw_text", recorded):
+        FigureCanvasAgg(figure).draw()
+    return [one for one in found if one[0].strip()]
+
+
+def overlap(first, second):
+    """Whether two boxes share more than a rim."""
+    low, high = np.maximum(first[:2], second[:2]), np.minimum(first[2:], second[2:])
+    return bool((high - low > OVERLAP_PX).all())
+
+
+@pytest.mark.parametrize("name", CARDS)
+def test_no_text_is_small_or_cut_off_or_covers_another(name):
+    figure = card_named(name).figure()
+    wide, high = figure.get_size_inches() * figure.dpi
+    texts = drawn_texts(figure)
+    assert len(texts) > 40
+    assert min(size for _, size, _ in texts) >= SMALLEST_PT
+    inside = np.array([0, 0, wide, high])
+    for words, _, box in texts:
+        assert (box[:2] >= inside[:2]).all(), words
+        assert (box[2:] <= inside[2:]).all(), words
+    letters = [one for one in texts if len(one[0]) > 1]  # a channel's letter may touch its curve
+    for first, second in combinations(letters, 2):
+        assert not overlap(first[2], second[2]), (first[0], second[0])
+
+
+def test_the_svg_has_the_verdict_and_the_numbers_of_the_analysis(pair):
+    shown = text_of(pair.content("svg"))
+    result = cn.analyze(*PAIR, lux=3)
+    sentences = result.verdict.sentences
+    assert sentences[0] in shown
+    assert next(one for one in sentences if one.startswith("With the matrix")) in shown
+    assert pair.footer in shown
+    assert conditions(result.points) in pair.footer
+    for point, analysis in zip(result.points, result.analyses, strict=True):
+        for number in (point.sensor.pixel.pitch_um, point.sensor.pixel.read_noise_e):
+            assert brief(number) in pair.footer
+        assert f"full well {point.sensor.pixel.full_well_e:.0f} e⁻" in pair.footer
+        entry = next(
+            one for one in result.to_dict()["sensors"] if one["label"] == analysis.sensor.label
+        )
+        mean, noise = entry["color_error_mean"], entry["color"]["visual_noise"]
+        label = f"{analysis.sensor.label}: mean {decimal(mean)}, visual noise {brief(noise, 3)}"
+        assert label in shown
+        assert decimal(entry["color"]["snr_db"]["Y"]) in shown.split()
+
+
+def test_pixels_of_different_sensors_are_told_apart():
+    mine = cn.sensor_named("onyx-rgb")
+    quiet = replace(mine, name="quiet", pixel=replace(mine.pixel, read_noise_e=1.25))
+    card = cn.card(PAIR[0], quiet, mine, lux=1)
+    assert card.footer.startswith(
+        "onyx-rgbw and onyx-rgb: 10 µm, full well 10000 e⁻, read noise 10"
+    )
+    assert "; quiet: 10 µm, full well 10000 e⁻, read noise 1.25 e⁻" in card.footer
+
+
+@pytest.mark.parametrize("paper", ["16:9", "a4"])
+def test_each_format_is_whole_and_of_the_size_of_its_paper(done, here, paper):
+    for ending in ("png", "svg", "pdf", "html"):
+        out, _ = done("card", *PAIR, "--lux", 3, "--paper", paper, "-o", f"new/c.{ending}")
+        assert out == f"new/c.{ending}\n"
+    ratio = 16 / 9 if paper == "16:9" else 297 / 210
+    with Image.open("new/c.png") as picture:
+        assert picture.width >= 1920
+        assert picture.width / picture.height == pytest.approx(ratio, rel=2e-3)
+    svg = (here / "new/c.svg").read_bytes()
+    root = ElementTree.fromstring(svg)
+    _, _, wide, high = map(float, root.attrib["viewBox"].split())
+    assert wide / high == pytest.approx(ratio, rel=1e-3)
+    pdf = (here / "new/c.pdf").read_bytes()
+    box = re.search(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", pdf)
+    assert [float(one) for one in box.groups()] == pytest.approx([wide, high], abs=0.01)
+    assert pdf.rstrip().endswith(b"%%EOF")
+    html = (here / "new/c.html").read_text(encoding="utf-8")
+    assert "<title>onyx-rgbw and onyx-rgb-ircut at 3 lx" in html
+    assert html[html.index("<svg") : html.index("</svg>")] in svg.decode()
+    assert not re.search(r'(src|href)="http', html)
+    assert sorted(path.name for path in (here / "new").iterdir()) == [
+        f"c.{ending}" for ending in ("html", "pdf", "png", "svg")
+    ]
+
+
+def test_two_runs_write_the_same_bytes(pair):
+    again = cn.card(*PAIR, lux=3)
+    assert pair.content("svg") == again.content("svg")
+
+
+def test_the_pictures_are_the_same_crop_with_the_noise_of_the_study(pair):
+    assert pair.shown == (0, 1)
+    assert {one.shape for one in pair.pictures} == {(164, 240, 3)}
+    embedded = re.findall(rb"data:image/png;base64,([^\"]+)", pair.content("svg"))
+    sizes = [Image.open(BytesIO(base64.b64decode(one))).size for one in embedded]
+    assert sizes.count((240, 164)) == len(embedded) == 2
+    cyan = np.s_[12:76, 12:76]  # no clipped code
+    noisy, quiet = (one[cyan].std(axis=(0, 1)).sum() for one in pair.pictures)
+    assert noisy > 1.5 * quiet
+    other = cn.card(*PAIR, lux=3, seed=1)
+    assert not np.array_equal(other.pictures[0], pair.pictures[0])
+
+
+def test_a_saturated_sensor_says_so():
+    card = card_named("two, one saturated")
+    shown = text_of(card.content("svg"))
+    assert "onyx-rgbw: channel W is saturated on the white" in card.sentences[0]
+    assert card.sentences[1].startswith("onyx-rgb-ircut has 34.2 dB")
+    assert "onyx-rgbw (saturated)" in shown
+    assert "onyx-rgbw: saturated" in shown
+
+
+def test_of_five_sensors_the_winner_and_the_second_have_a_picture():
+    card = card_named("five")
+    best = [one.sensor for one in card.verdict.equal.standings[:2]]
+    assert sorted(FIVE[i] for i in card.shown) == sorted(best)
+    shown = text_of(card.content("svg"))
+    assert all(shown.count(name) >= 3 for name in FIVE)
+
+
+def test_objects_of_python_are_on_a_card():
+    own = replace(cn.sensor_named("onyx-rgb"), name="mine")
+    card = cn.card(own, illuminant=cn.illuminant_named("A", own.grid), lux=1)
+    assert card.title.startswith("mine at 1 lx")
+
+
+def test_an_existing_file_that_the_user_names_is_replaced_and_a_failure_leaves_it(run, here):
+    file = here / "card.svg"
+    file.write_text("old")
+    with patch.object(Card, "content", side_effect=MemoryError):
+        assert run("card", "onyx-rgb", "-o", file)[0] == 2
+    assert [file] == list(here.iterdir())
+    assert file.read_text() == "old"
+    assert run("card", "onyx-rgb", "-o", file)[0] == 0
+    assert text_of(file.read_bytes()).startswith("onyx-rgb at 10 lx")
