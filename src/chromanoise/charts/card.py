@@ -67,6 +67,7 @@ PAPERS_IN: Mapping[Paper, tuple[float, float]] = {"16:9": (40 / 3, 7.5), "a4": (
 MOST_ON_CARD = 5
 ENDINGS = ("pdf", "svg", "png", "html")
 _SMALLEST_PT = 9.0
+_CHOSEN = "; with the matrix "  # of the sentence on the matrix of the study
 _ALONE = "of luminance SNR for an eye"  # of the sentence on the one sensor that is not saturated
 _PIXELS = 1920  # across
 _EDGE_IN = 0.14
@@ -117,11 +118,7 @@ class Card:
         """Those of the verdict that are on the card."""
         first, *others = self.verdict.sentences
         full = [f"{saturation_sentence(one)}." for one in self.of.analyses]
-        kept = [
-            one
-            for one in others
-            if one.startswith("With the matrix") or one in full or _ALONE in one
-        ]
+        kept = [one for one in others if _CHOSEN in one or one in full or _ALONE in one]
         return (first, *kept)
 
     @property
@@ -274,7 +271,7 @@ def _names(of: Shown) -> list[str]:
 
 def _ranked(of: Shown, verdict: Verdict) -> list[int]:
     """The sensors from best to worst: by the verdict, then by their SNR of Y."""
-    names = [one.sensor for one in verdict.equal.standings] if verdict.equal else []
+    names = [one.sensor for one in verdict.at_equal_color.standings]
     names = list(dict.fromkeys([*filter(None, [verdict.winner]), *names]))  # of a machine, too
 
     def place(i: int) -> tuple[int, float]:
