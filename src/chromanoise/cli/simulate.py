@@ -164,7 +164,8 @@ def _sentence(summaries: Sequence[Mapping[str, Any]]) -> str:
     )
     if not share:
         return f"{count}: no pixel is above full well."
-    return f"{count}: most pixels are above full well in {channel} of {label}, {100 * share:.1f} %."
+    most = f"{100 * share:.1f} % of the pixels of a channel"
+    return f"{count}: up to {most} are above full well ({channel} of {label})."
 
 
 def _line(taken: TakenPicture, out: Path) -> str:

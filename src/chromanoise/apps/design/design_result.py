@@ -695,15 +695,13 @@ class Design(Result):
         parameters = self.task.space.parameters
         objectives = [OBJECTIVES[name] for name in self.front.objectives]
         numbers = self.shown_numbers()
+        shown: list[Objective | ShownNumber] = [*objectives, *numbers]
         beside_names = self.front.objectives if self.beside else ()
         columns = [
             Column(name="sensor"),
             *(
-                Column(name=name, unit="" if unit == "1" else unit, digits=".4g")
-                for name, unit in (
-                    *((one.name, one.unit) for one in objectives),
-                    *((one.name, one.unit) for one in numbers),
-                )
+                Column(name=one.name, unit="" if one.unit == "1" else one.unit, digits=".4g")
+                for one in shown
             ),
             *(Column(name=f"{name}_{self.beside_name}", digits=".4g") for name in beside_names),
             Column(name="extreme of"),
