@@ -94,7 +94,7 @@ def test_the_svg_has_the_verdict_and_the_numbers_of_the_analysis(pair):
     result = cn.analyze(*PAIR, lux=3)
     sentences = result.verdict.sentences
     assert sentences[0] in shown
-    assert next(one for one in sentences if one.startswith("With the matrix")) in shown
+    assert next(one for one in sentences if "; with the matrix " in one) in shown
     assert pair.footer in shown
     assert conditions(result.points) in pair.footer
     for point, analysis in zip(result.points, result.analyses, strict=True):
@@ -175,7 +175,7 @@ def test_a_saturated_sensor_says_so():
 
 def test_of_five_sensors_the_winner_and_the_second_have_a_picture():
     card = card_named("five")
-    best = [one.sensor for one in card.verdict.equal.standings[:2]]
+    best = [one.sensor for one in card.verdict.at_equal_color.standings[:2]]
     assert sorted(FIVE[i] for i in card.shown) == sorted(best)
     shown = text_of(card.content("svg"))
     assert all(shown.count(name) >= 3 for name in FIVE)

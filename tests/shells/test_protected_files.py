@@ -47,7 +47,11 @@ FILLS = {  # option of a folder: the words before it, and those with which a sto
     ("demo", "out"): (("-o",), ()),
 }
 SLOW = {"characterize", "denoise-bench", "report", "reproduce", "demo"}  # they draw many charts
-WRITES_A_FILE = {("report", "out"), ("characterize", "resume")}  # named by the user
+WRITES_A_FILE = {
+    ("report", "out"),
+    ("card", "out"),
+    ("characterize", "resume"),
+}  # named by the user
 READS = {("catalog", "folder"), ("serve", "front")}
 NEEDS_AN_EMPTY_FOLDER = {"demo-frames"}
 MADE = {}  # what each command has made once

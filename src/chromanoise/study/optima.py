@@ -25,8 +25,10 @@ class Optimum:
 
     Attributes
     ----------
-    label
-        Name of the sensor in sentences.
+    sensor, label
+        Name of the sensor, and that in sentences.
+    matrix
+        Name of the matrix method.
     sweep, quantity
         The parameter that varies, and the quantity.
     at
@@ -44,7 +46,7 @@ class Optimum:
 
     KEYS: ClassVar[JsonKeys] = (
         *("sensor", "label", "matrix", "at", "value", "low", "high", "place"),
-        JsonKey("sentence", lambda one: optima_sentences([one])[0]),
+        JsonKey("sentence", lambda one: optima_sentences([one])[0], text="The same in words."),
     )
 
     sensor: str
@@ -187,8 +189,10 @@ class BestCell:
 
     Attributes
     ----------
-    label
-        Name of the sensor in sentences.
+    sensor, label
+        Name of the sensor, and that in sentences.
+    matrix
+        Name of the matrix method.
     sweep, second, quantity
         The parameters that vary, and the quantity.
     at, second_at
