@@ -17,7 +17,8 @@ LABELS = ["New chip", "Old chip"]
 def without_labels(result):
     """Plain data without labels and without the sentences that show them."""
     if isinstance(result, dict):
-        return {k: without_labels(v) for k, v in result.items() if k not in ("label", "sentence")}
+        told = ("label", "sentence", "sentences")
+        return {k: without_labels(v) for k, v in result.items() if k not in told}
     return [without_labels(one) for one in result] if isinstance(result, list) else result
 
 

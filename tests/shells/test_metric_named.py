@@ -49,7 +49,8 @@ def test_tables_of_a_report_name_the_metric(metric):
 
 @pytest.mark.parametrize("metric", METRICS)
 def test_the_terminal_names_the_metric_of_each_table_and_of_the_angles(done, metric):
-    out, _ = done("analyze", *PAIR, "--lux", "10", "--time-ms", "12", "--metric", metric)
+    words = ("--lux", "10", "--time-ms", "12", "--metric", metric, "--notes")
+    out, _ = done("analyze", *PAIR, *words)
     for head in ("Channels (eq.", "Spectrum and color (eq.", "angles between channels"):
         lines = [line for line in out.splitlines() if head in line]
         assert lines

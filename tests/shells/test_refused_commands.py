@@ -126,7 +126,6 @@ CASES = [
         "--pitch-um 0.0132912",
         *("faint", "R"),
     ),
-    case("analyze onyx-rgb-ircut onyx-rgb --chart-file one.csv --table t.csv", "one.csv"),
     *(
         case(words, "queue", "pipe", **key)
         for words, key in (

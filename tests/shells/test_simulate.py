@@ -357,7 +357,7 @@ def test_several_sensors_share_one_folder_and_one_summary(take):
     )  # fmt: skip
     assert [picture["sensor"] for picture in result] == ["model-rgb", "model-rgbir"]
     assert names_in(folder) == ["model-rgb.raw.tiff", "model-rgbir.raw.tiff", "summary.json"]
-    assert out.count("\n") == 2
+    assert out.count("\n") == 3  # a sentence, then a line per picture
 
 
 def test_one_pixel_has_a_code_but_not_the_colors_of_a_mosaic(take, run, tmp_path):
@@ -456,7 +456,7 @@ def test_on_a_screen_a_bar_tells_rows_and_goes_away(run, cube, tmp_path, monkeyp
         "simulate", cube, "--sensor", "model-rgb", "--frames", 2, "--tile", 1, "-o", tmp_path / "o"
     )
     assert code == 0
-    assert out.count("\n") == 2
+    assert out.count("\n") == 3
     assert f"{2 * ROWS}/{2 * ROWS} rows" in err
     assert "\x1b[2K" in err  # the line is cleared
 

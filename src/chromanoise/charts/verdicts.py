@@ -372,7 +372,9 @@ def _verdict(
     read = _read(analyses)
     winner, margin_db = found.winner, found.margin_db
     if reader == "machine":
-        winner, margin_db = _first_for_a_machine(read)
+        best, margin_db = _first_for_a_machine(read)
+        names = {one.sensor.label: one.sensor.name for one in analyses}
+        winner = None if best is None else names[best]
     return Verdict(
         winner=winner,
         margin_db=margin_db,
@@ -564,7 +566,7 @@ def _turns(found: EqualColor) -> list[str]:
         else:
             where = f"from {start} to {end}"
         where = where if of_light else f"at color errors {where} ΔE*ab"
-        sentences.append(f"{one.winner} has less visual noise than {first} {where}.")
+        sentences.append(f"{one.sensor} has less visual noise than {first} {where}.")
     return sentences
 
 

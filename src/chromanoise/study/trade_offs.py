@@ -35,6 +35,7 @@ from chromanoise.color import (
 )
 from chromanoise.metrics import balanced_truth, viewed_covariance
 from chromanoise.noise import OperatingPoint, saturated, signal_limit_e, with_noise
+from chromanoise.sensor import Sensor
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
@@ -216,8 +217,8 @@ class Standing:
 
     Attributes
     ----------
-    sensor
-        Its label.
+    name, sensor
+        Its name, and its label in sentences.
     visual_noise
         Of an 18 % gray as viewed. [CIELUV]
     behind_db
@@ -237,11 +238,13 @@ class Standing:
     """
 
     KEYS: ClassVar[JsonKeys] = (
-        JsonKey("name", "sensor"),
+        "name",
+        JsonKey("label", "sensor"),
         *("visual_noise", "behind_db", "color_error", "least_color_error", "least_total_error"),
         *("is_lost", "weight", "channels"),
     )
 
+    name: str
     sensor: str
     visual_noise: float
     behind_db: float
@@ -260,14 +263,15 @@ class LeftOut:
 
     Attributes
     ----------
-    sensor
-        Its label.
+    name, sensor
+        Its name, and its label in sentences.
     why
         The reason, as the end of a sentence.
     """
 
-    KEYS: ClassVar[JsonKeys] = (JsonKey("name", "sensor"), "why")
+    KEYS: ClassVar[JsonKeys] = ("name", JsonKey("label", "sensor"), "why")
 
+    name: str
     sensor: str
     why: str
 
@@ -282,16 +286,17 @@ class Turn:
         What varies: the light, with the exposure kept, or the color error.
     first, last
         Ends of the range. [lx, or Delta E*ab]
-    winner
-        Label of the sensor.
+    winner, sensor
+        Name of the other sensor, and its label in sentences.
     """
 
-    KEYS: ClassVar[JsonKeys] = ("over", "first", "last", "winner")
+    KEYS: ClassVar[JsonKeys] = ("over", "first", "last", "winner", JsonKey("label", "sensor"))
 
     over: Literal["light [lx]", "color error [Delta E*ab]"]
     first: float
     last: float
     winner: str
+    sensor: str
 
 
 @with_short_repr
@@ -344,10 +349,10 @@ class EqualColor:
 
     @property
     def winner(self) -> str | None:
-        """Label of the first sensor; ``None`` for a tie, and where every color is lost in noise."""
+        """Name of the first sensor; ``None`` for a tie, and where every color is lost in noise."""
         if not self.standings or self.is_tie or all(one.is_lost for one in self.standings):
             return None
-        return self.standings[0].sensor
+        return self.standings[0].name
 
 
 Reader = Literal["eye", "machine"]
@@ -361,7 +366,7 @@ class Verdict:
     Attributes
     ----------
     winner
-        Label of the best sensor; ``None`` for a tie, where fewer than two can be compared, and
+        Name of the best sensor; ``None`` for a tie, where fewer than two can be compared, and
         where the colors of all are lost in the noise.
     margin_db
         For an eye, visual noise of the second over that of the first at equal color error; for a
@@ -603,7 +608,7 @@ def equal_color(
         found.append(FEW_CHANNELS if isinstance(one, TradeOff) and not _tells_colors(one) else one)
     trades = tuple(one for one in found if isinstance(one, TradeOff))
     left_out = tuple(
-        LeftOut(sensor=point.sensor.label, why=one)
+        LeftOut(name=point.sensor.name, sensor=point.sensor.label, why=one)
         for point, one in zip(points, found, strict=True)
         if isinstance(one, str)
     )
@@ -636,7 +641,7 @@ def equal_color(
         _standing(trade, least, colorless, float(db))
         for trade, db in zip(trades, behind_db, strict=True)
     ]
-    names, first = [one.point.sensor.label for one in trades], int(order[0])
+    sensors, first = [one.point.sensor for one in trades], int(order[0])
     return EqualColor(
         trade_offs=trades,
         standings=tuple(every[k] for k in order),
@@ -644,8 +649,8 @@ def equal_color(
         margin_db=margin_db,
         tie_db=tie_db,
         turns=(
-            *_turns("light [lx]", lit, by_light, first, names, tie_db),
-            *_turns("color error [Delta E*ab]", errors, by_error, first, names, tie_db),
+            *_turns("light [lx]", lit, by_light, first, sensors, tie_db),
+            *_turns("color error [Delta E*ab]", errors, by_error, first, sensors, tie_db),
         )
         if turns
         else (),
@@ -679,6 +684,7 @@ def _standing(trade: TradeOff, least: float, colorless: float, behind_db: float)
     assert place is not None  # the least error that all reach
     total, _ = trade.least_total_error()
     return Standing(
+        name=trade.point.sensor.name,
         sensor=trade.point.sensor.label,
         visual_noise=trade.noise_at(place),
         behind_db=behind_db,
@@ -775,7 +781,7 @@ def _turns(
     at: Sequence[float] | Float[Array, " l"],
     noise: Float[Array, "l s"],
     first: int,
-    names: Sequence[str],
+    sensors: Sequence[Sensor],
     tie_db: float,
 ) -> list[Turn]:
     """Ranges in which another sensor has less noise than the first one, by more than a tie."""
@@ -798,7 +804,8 @@ def _turns(
                     over=over,
                     first=edge(k[0] - 1) if k[0] else float(at[0]),
                     last=edge(k[-1]) if k[-1] + 1 < len(best) else float(at[-1]),
-                    winner=names[leader],
+                    winner=sensors[leader].name,
+                    sensor=sensors[leader].label,
                 )
             )
     return turns
