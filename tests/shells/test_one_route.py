@@ -269,6 +269,8 @@ def as_copied_study(asked):
     printed("run", "copied.toml", "--out", "copied")
     found = [json.loads(path.read_bytes()) for path in Path("copied").glob("*.json")]
     (result,) = [values["result"] for values in found if "result" in values]
+    if asked.function == "matrix":
+        result = {"sensors": result["sensors"]}  # without the sentences of several sensors
     return result
 
 

@@ -124,7 +124,13 @@ class NoiseAwareFamily:
         self._solve(seen.white_e > 0)
 
     def in_light(self, factor: float) -> "NoiseAwareFamily":
-        """The family at that many times the light; spectra and their colors are kept."""
+        """The family at another light level; spectra and their colors are kept.
+
+        Parameters
+        ----------
+        factor
+            The light over that of this family. [1]
+        """
         if factor == 1:
             return self
         seen, brighter = self._seen, copy(self)
@@ -134,7 +140,13 @@ class NoiseAwareFamily:
         return brighter
 
     def with_channels(self, used: Bool[Array, " p"]) -> "NoiseAwareFamily":
-        """The family of the matrices that weigh no other channels."""
+        """The family of the matrices that weigh no other channels.
+
+        Parameters
+        ----------
+        used
+            True for each channel that may have a weight, in the order of the sensor.
+        """
         fewer = copy(self)
         fewer._solve(used & (self._seen.white_e > 0))
         return fewer
@@ -164,6 +176,11 @@ class NoiseAwareFamily:
 
         That is around the squares of the singular values of the training set in channels of unit
         noise.
+
+        Parameters
+        ----------
+        per_decade
+            How many weights lie between one and ten times it.
         """
         squares = self._s[self._kept] ** 2
         if not squares.size:
@@ -173,7 +190,13 @@ class NoiseAwareFamily:
         return np.concatenate([[0.0], np.geomspace(low, high, count), [np.inf]])
 
     def matrices(self, weights: Float[Array, " q"]) -> Float[Array, "q 3 p"]:
-        """One matrix per weight; an infinite weight gives the matrix of least noise. [lx/e-]"""
+        """One matrix per weight. [lx/e-]
+
+        Parameters
+        ----------
+        weights
+            Weights of tr(C D C^T); an infinite one gives the matrix of least noise. [1]
+        """
         s = np.where(self._kept, self._s, 1.0)
         gain = np.where(self._kept, s / (s**2 + weights[:, None]), 0.0)
         moved = (self._target.T * gain[:, None, :]) @ self._turn @ self._directions.T

@@ -187,8 +187,12 @@ def balanced_charts(
 
     Parameters
     ----------
-    sensor, matrices, exposure, illuminant, observer, chart
-        As `mean_chart_errors`.
+    sensor, exposure, illuminant, chart
+        As `chart_color_error`.
+    matrices
+        Color matrices for that sensor and exposure. [lx/e-]
+    observer
+        Their observer, from `chromanoise.spectra.OBSERVERS`.
 
     Raises
     ------

@@ -77,7 +77,7 @@ def answers_of(files: Sequence[Path]) -> list[str]:
     """
     sentences = []
     for file in files:
-        result = json.loads(file.read_bytes())["result"]
+        result = read_record(file)["result"]
         sentences += (result.get("verdict") or result).get("sentences", [])[:1]
     return list(dict.fromkeys(sentences))
 

@@ -190,20 +190,46 @@ class TradeOff:
         return float(min(places, key=self.noise_at))
 
     def noise_at(self, place: float) -> float:
-        """Visual noise at a place. [CIELUV]"""
+        """Visual noise between two matrices. [CIELUV]
+
+        Parameters
+        ----------
+        place
+            Number of a matrix, or between two, as `place` gives it.
+        """
         return math.exp(self.value_at(place, np.log(self.visual_noise)))
 
     def value_at(self, place: float, values: Float[Array, " q"]) -> float:
-        """A value at a place, of one value per weight."""
+        """A value between two matrices, in the unit of ``values``.
+
+        Parameters
+        ----------
+        place
+            As `noise_at`.
+        values
+            One value of each matrix, in any unit.
+        """
         return float(np.interp(place, np.arange(values.size), values))
 
     def channels_at(self, place: float) -> tuple[str, ...]:
-        """Names of the channels that the matrix at a place uses."""
+        """Names of the channels that the matrix at a place uses.
+
+        Parameters
+        ----------
+        place
+            As `noise_at`.
+        """
         used = self.matrices[math.floor(place)].any(axis=0)
         return tuple(name for name, one in zip(self.point.sensor.names, used, strict=True) if one)
 
     def weight_at(self, place: float) -> float:
-        """The weight at a place. [1]"""
+        """The weight of the noise at a place. [1]
+
+        Parameters
+        ----------
+        place
+            As `noise_at`.
+        """
         low, high = (float(self.weights[one]) for one in (math.floor(place), math.ceil(place)))
         share = place - math.floor(place)
         if low == 0 or math.isinf(high):
@@ -328,7 +354,7 @@ class EqualColor:
     colorless_error
         Mean color error of a gray picture without noise. [Delta E*ab]
     left_out
-        The other sensors.
+        The sensors that cannot be compared, with the reason.
     """
 
     trade_offs: tuple[TradeOff, ...]
@@ -374,7 +400,7 @@ class Verdict:
     at_color_error
         Color error at which the noise is compared; ``None`` for a machine. [Delta E*ab]
     reader
-        Who judges.
+        Whether an eye or a machine judges the sensors.
     sentences
         The verdict in words, the answer first.
     prior

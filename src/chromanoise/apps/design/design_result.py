@@ -480,6 +480,10 @@ class Design(Result):
         ----------
         member
             A member of the front.
+
+        Returns
+        -------
+        Percent by the name of the channel
         """
         space = self.task.space
         found = space.shares(np.asarray(member.values, dtype=float)[None, :])
