@@ -65,8 +65,9 @@ def test_the_panels_have_order_headings_and_captions_of_the_sections(window):
 def test_the_first_two_reasons_are_shown_and_a_button_shows_all(window):
     page = window()
     reasons = page.locator("#reasons li")
-    assert reasons.count() == 4
-    assert [one.is_visible() for one in reasons.all()] == [True, True, False, False]
+    hidden = reasons.count() - 2
+    assert hidden > 1
+    assert [one.is_visible() for one in reasons.all()] == [True, True, *[False] * hidden]
     more = page.locator("#more")
     more.press("Enter")
     assert all(one.is_visible() for one in reasons.all())
