@@ -51,7 +51,7 @@ LEAST_TIE_DB = 0.05
 """A margin that one decimal does not show is a tie. [dB]"""
 _SECOND_PRIOR = "smooth-50-nir"  # its margin must agree with that of the prior of the study
 _LEVELS_LUX = tuple(float(one) for one in np.geomspace(0.01, 1000.0, 6))
-_COLORS = 3  # independent channels of a sensor that tells colors apart
+_COLORS = 3  # fewest independent channels from which X, Y and Z can be made
 _MOST_SUBSETS = 5  # channels of which all subsets are tried
 _ROUNDING = 1e-9  # of a color error, relative
 _STRIDE = 4  # of the matrices whose total error is computed first
