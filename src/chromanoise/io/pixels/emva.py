@@ -273,7 +273,7 @@ def _errors_at(source: str, place: str = "") -> Iterator[None]:
 
 
 def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
-    rows: list[tuple[str, float, str, str]] = []
+    rows: dict[str, tuple[str, float, str, str]] = {}
     for i, raw in enumerate(text.splitlines(), 1):
         line = raw.split("#")[0].strip().strip(",;")
         if not line:
@@ -290,13 +290,13 @@ def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
             remedy = f"write {name[:40]} = number unit, with a decimal point"
             raise refused(path, need, line[:60], where=where, remedy=remedy)
         name = matched["name"].strip().strip('"')
-        if any(name == row[0] for row in rows):
+        if name in rows:
             need = "must have each name once"
             found = f"{name[:40]!r} is repeated"
             raise refused(path, need, name[:40], found, where=where, remedy="keep one")
         unit = matched["left"] or (matched["right"] or "").strip(' ;,\t[]"')
-        rows.append((name, float(matched["value"]), unit, where))
-    return rows
+        rows[name] = name, float(matched["value"]), unit, where
+    return list(rows.values())
 
 
 def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
