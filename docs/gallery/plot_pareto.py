@@ -1,10 +1,11 @@
 """
-Training error against SNR
-==========================
+Color error against visual noise
+================================
 
-A color matrix can give exact colors or low noise. Along each curve the weight of the noise in the
-matrix grows: from least squares (the smallest error) over LMMSE (weight 1, large mark) to a nearly
-gray picture. Where the color is usable, the sensor behind the IR-cut is better in both.
+A color matrix can give exact colors or little noise. Each curve is the trade-off of one sensor:
+from the least color error to a nearly gray picture, with matrices that know the noise. The large
+marks are the paper's matrix. Where colors are usable, the sensor behind the IR-cut has less noise
+at every color error.
 """
 
 import matplotlib.pyplot as plt
@@ -16,7 +17,7 @@ study = cn.study_from_data(
         "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}],
         "light": {"level_lux": 1.0},
         "exposure": {"time_ms": 12.0},
-        "matrices": ["lmmse"],
+        "matrices": ["kernel"],
     },
     source="gallery",
 )

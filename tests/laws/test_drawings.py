@@ -36,7 +36,6 @@ from chromanoise.study import (
     crossover_sentence,
     crossovers,
     gray_noise,
-    noise_weights,
     outcome_of,
     run,
     sensor_named,
@@ -228,11 +227,11 @@ def test_charts_have_the_numbers_of_a_run(clip):
         found = [row[f"{own['name']} color error [Delta E*ab]"] for row in errors]
         assert np.mean(found) == pytest.approx(own["color_error_mean"], rel=1e-12)
     (matrices,) = results.matrices.values()
-    trades = [row["SNR of Y [dB]"] for row in rows_in("pareto", of)]
-    for k, own in enumerate(matrices.to_dict()["sensors"]):
-        *points, now = trades[14 * k : 14 * (k + 1)]
-        assert points == [p["snr_y_db"] for p in own["pareto"]]
-        assert now == own["report"]["snr_db"]["Y"]
+    now = [row for row in rows_in("pareto", of) if row["weight of the noise"] == "now"]
+    for own, at in zip(data, now, strict=True):
+        assert at["color error, mean Delta E*ab"] == own["color_error_mean"]
+    for own, at in zip(matrices.to_dict()["sensors"], now, strict=True):
+        assert at["SNR of Y [dB]"] == own["report"]["snr_db"]["Y"]
     (sweep,) = results.sweeps
     drawn = [list(one.values) for one in drawing("levels", of).columns[1:]]
     assert drawn == [c["value"] for c in sweep.to_dict()["curves"]]
@@ -502,6 +501,8 @@ def test_a_saturated_sensor_has_no_snr_and_says_so_everywhere():
     assert "Saturated from: onyx-rgbw " in " ".join(drawing("levels", of).notes)
     known = {row["sensor"] for row in rows_in("pareto", of) if row["SNR of Y [dB]"] is not None}
     assert known == {"onyx-rgb-ircut"}
+    told = "onyx-rgbw: no curve, because a channel is saturated on the white."
+    assert told in drawing("pareto", of).notes
 
 
 def test_the_frame_is_orthonormal_and_spans_the_color_axes():
@@ -691,14 +692,17 @@ def test_chromaticity_of_equal_energy_is_a_third_and_its_slope_that_of_differenc
         np.testing.assert_allclose(XYY.jacobian(xyz, white)[..., k], slope, rtol=1e-5, atol=1e-6)
 
 
-def test_the_pareto_curve_trades_error_for_noise_and_passes_through_its_own_matrix():
-    of = shown(study_of("onyx-rgbw", matrices=["noise-regularized=1"]))
-    *points, now = rows_in("pareto", of)
-    assert noise_weights(1e-3, 1e3, points=13)[6] == pytest.approx(1.0)
-    for name in ("SNR of Y [dB]", "training error, mean Delta E*ab"):
-        assert now[name] == pytest.approx(points[6][name], rel=1e-9)
-    snr = [row["SNR of Y [dB]"] for row in points]
-    assert snr == sorted(snr)
+def test_a_trade_off_never_gains_noise_with_error_and_passes_through_its_noise_aware_matrices():
+    *points, _ = rows_in("pareto", shown(study_of("onyx-rgb-ircut")))
+    names = ("color error, mean Delta E*ab", "visual noise [CIELUV]", "SNR of Y [dB]")
+    errors, noises, _ = ([row[name] for row in points] for name in names)
+    assert errors == sorted(errors)
+    assert noises == sorted(noises, reverse=True)
+    some = points[len(points) // 2]
+    weighed = f"noise-aware={some['weight of the noise']!r}"
+    *_, now = rows_in("pareto", shown(study_of("onyx-rgb-ircut", matrices=[weighed])))
+    for name in names:
+        assert now[name] == pytest.approx(some[name], rel=1e-9)
 
 
 def test_the_verdict_of_the_papers_sensors_is_the_papers():

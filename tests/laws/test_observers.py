@@ -256,18 +256,13 @@ def test_a_result_for_another_observer_has_a_note_and_one_for_cie_1931_has_none(
 
 
 @pytest.mark.parametrize("observer", OTHERS)
-def test_the_lmmse_matrix_lies_on_the_curve_of_its_observer(observer):
-    study = cn.study_from_data(
-        {
-            "sensors": [{"name": "model-rgb-ircut"}],
-            "matrices": ["lmmse"],
-            "observer": observer,
-        }
-    )
-    _, weights, errors, snrs_db = (one.values for one in drawing("pareto", shown(study)).columns)
-    at = {"now" if weight == "now" else round(weight, 9): i for i, weight in enumerate(weights)}
-    for values in (errors, snrs_db):
-        assert values[at["now"]] == pytest.approx(values[at[1.0]], rel=1e-9)
+def test_a_noise_aware_matrix_lies_on_the_trade_off_of_its_observer(observer):
+    study = {"sensors": [{"name": "model-rgb-ircut"}], "observer": observer}
+    every = drawing("pareto", shown(cn.study_from_data(study))).columns
+    middle = [one.values[len(one.values) // 2] for one in every]
+    study |= {"matrices": [f"noise-aware={middle[1]!r}"]}
+    now = [one.values[-1] for one in drawing("pareto", shown(cn.study_from_data(study))).columns]
+    assert now[2:] == pytest.approx(middle[2:], rel=1e-9)
 
 
 def test_a_fit_does_not_mix_observers():

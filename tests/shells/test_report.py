@@ -381,7 +381,7 @@ def test_the_figures_of_a_study_say_its_numbers(folder, there):
     assert {"a*", "b*"} <= set(texts["ellipses"])
     for name in ("comparison", "budget", "ellipses", "pareto"):
         assert "illuminant E" in " ".join(texts[name])
-    assert {"0.001", "1000"} <= set(texts["pareto"])
+    assert {"visual noise [CIELUV]", "onyx-rgbw"} <= set(texts["pareto"])
     assert "onyx-rgbw, kernel" in texts["comparison"]
 
 

@@ -102,10 +102,10 @@ SECTIONS: tuple[Section, ...] = (
     ),
     Section(
         part="pareto",
-        heading="Training error against SNR",
-        shows="What other matrices achieve: each point is a matrix with another weight of the "
-        "noise. The training error is the color error averaged over the prior, not over the "
-        "chart.",
+        heading="Color error against visual noise",
+        shows="What the sensor can achieve: each point is a color matrix with another weight of "
+        "the noise, and of the channels that help. Sensors are compared where their color errors "
+        "are equal.",
         explanations=("pareto",),
     ),
     Section(

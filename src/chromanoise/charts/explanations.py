@@ -484,15 +484,15 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         source="CIE 015:2018, eq. 8.21",
     ),
     "pareto": Explanation(
-        title="Training error against SNR",
-        words="A matrix trained on spectra can give noise more or less weight. With little weight, "
-        "colors are exact and noisy; with much weight, smooth and pale. The curve shows the best "
-        "compromises of a sensor: no matrix is better in both the noise and the squared error of "
-        "X, Y, Z that the training minimizes. The training error is the color error averaged over "
-        "the training spectra (the prior), not over the patches of the chart.",
+        title="Color error against visual noise",
+        words="A color matrix can give exact colors or little noise. Of the matrices that keep "
+        "the white, each weight of the noise selects the best one, trained on the spectra of the "
+        "prior; the sensor may also leave channels out. The curve shows the best of them all: the "
+        "color error is the mean over the patches of the chart, the noise that of a gray as "
+        "viewed. Sensors are compared at equal color error.",
         latex=(
             r"\min_{C} \; \left\langle |C M - x|^2 \right\rangle "
-            r"+ w \operatorname{tr}(C D C^{\top})",
+            r"+ w \operatorname{tr}(C D C^{\top}) \quad \text{exact on the white}",
         ),
         symbols=(
             _MATRIX,
@@ -500,12 +500,16 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             Symbol("x", "true X, Y, Z of a training spectrum", unit="lx"),
             Symbol(r"\langle \; \rangle", "average over the training spectra"),
             Symbol(
-                "w", "weight of the noise: 0 is least squares, 1 is LMMSE", unit="1", name="weight"
+                "w",
+                "weight of the noise: 0 is least squares, infinity the least noise",
+                unit="1",
+                name="weight",
             ),
             _RAW,
             _TRANSPOSED,
         ),
-        source="Vora & Herley, ICIP (1998), with shot noise in D",
+        source="Vora & Herley, ICIP (1998), with shot noise in D; the white as Finlayson & Drew, "
+        "CIC5 (1997)",
     ),
     "machine": Explanation(
         title="Distance of two patches for a machine",

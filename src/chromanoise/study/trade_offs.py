@@ -8,6 +8,7 @@ the color errors are equal: at the least error that all sensors reach.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import combinations, groupby
 from typing import ClassVar, Literal
 
@@ -158,6 +159,16 @@ class TradeOff:
     def least_color_error(self) -> float:
         """The least color error of its matrices. [Delta E*ab]"""
         return float(self.color_error.min())
+
+    def front(self) -> Int[Array, " f"]:
+        """Numbers of the matrices that none beats in both color error and visual noise.
+
+        From the least to the most color error.
+        """
+        order = np.lexsort((self.visual_noise, self.color_error))
+        noise = self.visual_noise[order]
+        before = np.minimum.accumulate(np.concatenate([[math.inf], noise[:-1]]))
+        return order[noise < before]
 
     def least_total_error(self) -> tuple[float, int]:
         """The least `total_error_as_viewed` of its matrices, and which has it. [Delta E*ab]"""
@@ -431,11 +442,8 @@ class Verdict:
 
 def trade_off(
     point: OperatingPoint, *, prior: str | Spectra = DEFAULT_PRIOR, viewing: Viewing | None = None
-) -> TradeOff | None:
-    """The trade-off of a sensor.
-
-    ``None`` where a channel is saturated on the white, no channel sees the light, or X, Y or Z of
-    the light is 0.
+) -> TradeOff | LeftOut:
+    """The trade-off of a sensor, or why it has none.
 
     Parameters
     ----------
@@ -452,8 +460,16 @@ def trade_off(
     InputError
         If there is no prior of that name.
     """
-    found = _along_light(point, (point.level_lux,), prior, viewing or Viewing(), _PER_DECADE)[0]
-    return found if isinstance(found, TradeOff) else None
+    return _trade_off(point, prior, viewing or Viewing())
+
+
+@lru_cache(maxsize=64)  # verdict and chart ask for the same ones
+def _trade_off(point: OperatingPoint, prior: str | Spectra, viewing: Viewing) -> TradeOff | LeftOut:
+    (found,) = _along_light(point, (point.level_lux,), prior, viewing, _PER_DECADE)
+    if isinstance(found, TradeOff) and _tells_colors(found):
+        return found
+    why = found if isinstance(found, str) else FEW_CHANNELS
+    return LeftOut(name=point.sensor.name, sensor=point.sensor.label, why=why)
 
 
 def _along_light(
@@ -590,7 +606,7 @@ def lost_colors(
     if not own >= colorless:
         return None
     trade = trade_off(point, prior=prior)
-    if trade is None or not _tells_colors(trade):
+    if isinstance(trade, LeftOut):
         return None
     least, best = trade.least_total_error()
     return LostColors(
@@ -627,17 +643,9 @@ def equal_color(
         If there is no prior of that name, or the points differ in light, observer or chart.
     """
     _refuse_other_light(points)
-    seen = viewing or Viewing()
-    found: list[TradeOff | str] = []
-    for point in points:
-        one = _along_light(point, (point.level_lux,), prior, seen, _PER_DECADE)[0]
-        found.append(FEW_CHANNELS if isinstance(one, TradeOff) and not _tells_colors(one) else one)
+    found = [trade_off(point, prior=prior, viewing=viewing) for point in points]
     trades = tuple(one for one in found if isinstance(one, TradeOff))
-    left_out = tuple(
-        LeftOut(name=point.sensor.name, sensor=point.sensor.label, why=one)
-        for point, one in zip(points, found, strict=True)
-        if isinstance(one, str)
-    )
+    left_out = tuple(one for one in found if isinstance(one, LeftOut))
     colorless, level = _chart_of(points[0]).colorless_error, points[0].level_lux
     if len(trades) < 2:
         return EqualColor(
@@ -738,11 +746,12 @@ def _again_db(trades: Sequence[TradeOff], order: Array, prior: str | Spectra) ->
     """The margin of the first over the second with another training set. [dB]"""
     own = _on_grid(prior, trades[0].point.sensor.grid)
     other = _on_grid(_SECOND_PRIOR, trades[0].point.sensor.grid)
-    again = [
-        trade_off(one.point, prior="chart" if own == other else other, viewing=one.viewing)
-        for one in trades
+    second = "chart" if own == other else other
+    again = [trade_off(one.point, prior=second, viewing=one.viewing) for one in trades]
+    able = [
+        two if isinstance(two, TradeOff) else one for one, two in zip(trades, again, strict=True)
     ]
-    noise = _noises_at_least_error([one for one in again if one is not None])
+    noise = _noises_at_least_error(able)
     return _over_db(noise[order[1]], noise[order[0]])
 
 

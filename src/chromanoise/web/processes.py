@@ -29,7 +29,7 @@ from chromanoise.web.requests import QuestionError, Upload
 
 _SIZE = struct.calcsize("q")
 FORKS = sys.platform == "linux"
-BEGINS_S = 120.0  # the first picture after an installation compiles for half a minute
+BEGINS_S = 600.0  # the first pictures after an installation compile for minutes on a busy machine
 _REPLY_S = 10.0
 _PROGRAM = "from chromanoise.web.worker import main; main()"
 
