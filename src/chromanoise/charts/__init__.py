@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         drawing as drawing,
     )
     from chromanoise.charts.card import (
+        MOST_ON_CARD,
         PAPERS_IN,
         Card as Card,
         Paper as Paper,

@@ -492,7 +492,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "viewed. Sensors are compared at equal color error.",
         latex=(
             r"\min_{C} \; \left\langle |C M - x|^2 \right\rangle "
-            r"+ w \operatorname{tr}(C D C^{\top}) \quad \text{exact on the white}",
+            r"+ w \operatorname{tr}(C D C^{\top})",
         ),
         symbols=(
             _MATRIX,

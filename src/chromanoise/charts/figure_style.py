@@ -202,7 +202,7 @@ def write_sensor(ax: Axes, origin: str, i: int, names: Sequence[str], *, letters
     letters
         Length of a line.
     """
-    many, before = are_many(names), "    " if len(names) > 1 else ""
+    many, before = are_many(names), "\u00a0" * 4 if len(names) > 1 else ""  # SVG drops others
     size, weight = (8.0, "normal") if many else (10.0, "bold")
     label = names[i] if many else sensor_label(names[i], origin)
     title = fill(label, letters, initial_indent=before, subsequent_indent=before)

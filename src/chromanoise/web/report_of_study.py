@@ -10,12 +10,14 @@ import numpy as np
 
 from chromanoise.base import Array, InputError, Record, UInt8, __version__, check
 from chromanoise.charts import (
+    MOST_ON_CARD,
     PARTS,
     SECTIONS,
     Section,
     Shown,
     as_data,
     at_level,
+    card_of,
     channels_table,
     chart_csv,
     color_table,
@@ -323,6 +325,7 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
             title=of.study.title or _names(of),
             names=_names(of),
             head=full["head"],
+            card=_card(of),
             light=of.study.light,
             sections=sections,
             contents=_contents(sections, sweeps, machine),
@@ -348,6 +351,13 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
             data=packed_json(data),
         )
     )
+
+
+def _card(of: Shown) -> str:
+    """The address of the card, for a sheet of A4 across; empty for more sensors than it holds."""
+    if len(of.operating_points) > MOST_ON_CARD:
+        return ""
+    return data_address(card_of(of, paper="a4").content("svg"), "image/svg+xml")
 
 
 def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]:

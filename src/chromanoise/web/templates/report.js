@@ -14,7 +14,7 @@ import { html } from "draw/svg.js";
 /** @typedef {{ head: ReportHead, parts: Record<Part, Drawn | Failed> }} Reply */
 /** @typedef {{ data: Drawn | Failed, stale: boolean }} Shown */
 
-const PAPER_PX = 976; // of A4 and Letter, where the style of print makes 0.7 of it
+const PAPER_PX = 976; // of A4 and Letter, where the style of print makes 0.6 of it
 /** @type {ReportData} */
 const data = JSON.parse(await unpacked(byId("data").textContent ?? ""));
 /** @type {Map<HTMLElement, Shown>} */
