@@ -1,14 +1,18 @@
 """A search finds known fronts and optima, and a stopped one continues with the same digits."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 import scipy.optimize
 from hypothesis import HealthCheck, given, settings, strategies as st
+from pymoo.operators.crossover.sbx import cross_sbx
+from pymoo.operators.mutation.pm import mut_pm
+from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
 import chromanoise.apps.design.search as searching
-from chromanoise.apps.design.algorithms import METHODS, improved
+from chromanoise.apps.design.algorithms import METHODS, _crossed, _fronts, _mutated, improved
 from chromanoise.apps.design.front import Evaluated, Problem, non_dominated
 from chromanoise.apps.design.search import SearchOptions, searched_front
 from chromanoise.base import packages
@@ -485,12 +489,17 @@ def test_what_cannot_be_searched_is_one_sentence(make, fields, expected):
         replace(bnh(), **fields) if make is bnh else make(**fields)
 
 
-@pytest.mark.parametrize("method", ["nsga2", "nsga3", "cma-es"])
-def test_a_missing_package_is_one_sentence(method, monkeypatch):
+@pytest.mark.parametrize(
+    ("method", "problem"),
+    [("nsga3", bowl()), ("cma-es", bowl()), ("nsga2", dtlz2())],
+    ids=["nsga3", "cma-es", "three objectives"],
+)
+def test_a_missing_package_is_one_sentence(method, problem, monkeypatch):
     monkeypatch.setattr(packages, "find_spec", lambda _: None)
     with refused_input(subject="method", value=method, requirement="not installed"):
-        found(bowl(), method)
+        found(problem, method)
     found(bowl(), "de")
+    found(zdt1(), "nsga2", 80)
 
 
 def test_differential_evolution_takes_a_single_parameter():
@@ -643,3 +652,30 @@ def test_the_unit_of_a_constraint_does_not_change_the_search(method):
     same = searched_front(problem(1024.0, constraint_sizes=(1024.0, 1.0)), settings)
     np.testing.assert_array_equal(same.values, found.values)
     np.testing.assert_array_equal(same.violation, found.violation * [1024.0, 1.0])
+
+
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 8))
+def test_with_the_same_random_numbers_pairs_cross_and_mutate_as_in_pymoo(seed, count):
+    rng = np.random.default_rng(seed)
+    low = rng.normal(scale=100.0, size=count)
+    high = low + rng.choice([0.0, 1.0, 50.0], size=count, p=[0.1, 0.3, 0.6])
+    parents = low + (high - low) * rng.random((2, 30, count))
+    parents[1, :3] = parents[0, :3]  # equal ones are not crossed
+    half, rate = np.full((30, 1), 0.5), min(0.5, 1 / count)
+    again = partial(np.random.default_rng, seed)
+    crossed = cross_sbx(
+        parents.copy(), low, high, np.full((30, 1), 15.0), half, half, random_state=again()
+    )
+    np.testing.assert_array_equal(_crossed(parents, low, high, 15.0, again()), crossed)
+    mutated = mut_pm(
+        *(parents[0], low, high, np.full(30, 20.0), np.full(30, rate), False), random_state=again()
+    )
+    np.testing.assert_array_equal(_mutated(parents[0], low, high, rate, again()), mutated)
+
+
+@given(seed=st.integers(0, 2**32 - 1), objectives=st.integers(1, 4), enough=st.integers(1, 60))
+def test_candidates_are_ranked_as_in_pymoo(seed, objectives, enough):
+    costs = np.random.default_rng(seed).integers(0, 6, (50, objectives)).astype(float)
+    ranked = NonDominatedSorting().do(costs, n_stop_if_ranked=enough)
+    for ours, theirs in zip(_fronts(costs, enough), ranked, strict=True):
+        np.testing.assert_array_equal(ours, theirs)

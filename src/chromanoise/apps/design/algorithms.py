@@ -22,6 +22,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from chromanoise.apps.design.front import (
+    MOST_MEASURED,
     Evaluated,
     Problem,
     checked_evaluation,
@@ -48,6 +49,8 @@ State = dict[str, Array]
 _FIRST_STEP = 0.25  # of CMA-ES, as a share of the range of each parameter
 _ATTEMPTS = 100  # times that a generation is completed after duplicates were removed
 _CROSSED, _MUTATED = 0.9, 0.9  # shares of pairs and of children, as in NSGA-II of pymoo
+_MUTATION = 20.0  # index of the polynomial
+_ALIKE_PARENTS = 1e-14  # parameters that differ by less are not crossed
 _NORMALIZATION = ("ideal_point", "worst_point", "nadir_point", "extreme_points")
 _DITHER = (0.5, 1.0)  # weight of a difference in differential evolution
 _CONVERGED = 1e-9  # spread of a population, as a share of the range of each parameter
@@ -95,9 +98,9 @@ def latin_hypercube(problem: Problem, count: int, rng: np.random.Generator) -> F
 
 
 class Genetic:
-    """NSGA-II or NSGA-III with the operators, ranks and reference directions of pymoo.
+    """NSGA-II, or NSGA-III with the reference directions of the package ``pymoo``.
 
-    Arrays hold the population, because the objects of pymoo cost more than the fast objectives.
+    Both cross candidates by simulated binary crossover and mutate them by polynomials.
 
     Parameters
     ----------
@@ -111,23 +114,15 @@ class Genetic:
 
     Notes
     -----
-    Deb, Pratap, Agarwal & Meyarivan (2002); Deb & Jain (2014); Blank & Deb, "pymoo" (2020).
+    Deb, Pratap, Agarwal & Meyarivan (2002); Deb & Jain (2014). With the same random numbers, the
+    operators give the digits of those of Blank & Deb, "pymoo" (2020).
     """
 
     def __init__(self, problem: Problem, population: int, *, many: bool) -> None:
-        from pymoo.config import Config
-
-        Config.warnings["not_compiled"] = False  # otherwise printed where pymoo was not compiled
-        from pymoo.algorithms.moo.nsga3 import ReferenceDirectionSurvival
-
         self._problem, self._size = problem, population
         self._kept = dict[str, Array]()
         self._many = many
-        self._niches: Any = (
-            ReferenceDirectionSurvival(_directions(len(problem.objectives), population))
-            if many
-            else None
-        )
+        self._niches: Any = _niches(len(problem.objectives), population) if many else None
 
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
         """As `Algorithm.ask`."""
@@ -143,22 +138,15 @@ class Genetic:
         return np.array(found).reshape(-1, len(self._problem.names))
 
     def _children(self, count: int, rng: np.random.Generator) -> Array:
-        from pymoo.operators.crossover.sbx import cross_sbx
-        from pymoo.operators.mutation.pm import mut_pm
-
         low, high, d = self._problem.low, self._problem.high, len(self._problem.names)
         matings = -(-count // 2)
         values = self._kept["values"]
         parents = values[self._winners(2 * matings, rng)].reshape(2, matings, d)
         eta, share = (30.0, 1.0) if self._many else (15.0, _CROSSED)
-        half = np.full((matings, 1), 0.5)
-        crossed = cross_sbx(
-            parents.copy(), low, high, np.full((matings, 1), eta), half, half, random_state=rng
-        )
+        crossed = _crossed(parents, low, high, eta, rng)
         pairs = np.where(rng.random((matings, 1)) < share, crossed, parents)
         children = pairs.reshape(-1, d)[:count]
-        rate = np.full(count, min(0.5, 1 / d))
-        mutated = mut_pm(children, low, high, np.full(count, 20.0), rate, False, random_state=rng)
+        mutated = _mutated(children, low, high, min(0.5, 1 / d), rng)
         chosen = np.where(rng.random((count, 1)) < _MUTATED, mutated, children)
         return self._problem.allowed(chosen)
 
@@ -212,11 +200,9 @@ class Genetic:
 
     def _crowded(self, costs: Array, rng: np.random.Generator) -> tuple[Array, Array]:
         """Survivors of NSGA-II by rank and crowding, and their crowding distance."""
-        from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
-
         chosen: list[int] = []
         distance = np.zeros(len(costs))
-        for front in NonDominatedSorting().do(costs, n_stop_if_ranked=self._size):
+        for front in _fronts(costs, self._size):
             distance[front] = crowding(costs[front])
             room = self._size - len(chosen)
             order = np.lexsort((rng.random(front.size), -distance[front]))
@@ -265,6 +251,90 @@ class _Costs:
 
 def _nowhere_above(one: Float[Array, "m q"], other: Float[Array, "m q"]) -> Bool[Array, " m"]:
     return np.all(one <= other, axis=1)
+
+
+def _crossed(
+    parents: Float[Array, "2 m d"],
+    low: Float[Array, " d"],
+    high: Float[Array, " d"],
+    eta: float,
+    rng: np.random.Generator,
+) -> Float[Array, "2 m d"]:
+    """Two children of each pair, by simulated binary crossover within the bounds.
+
+    Deb & Agrawal, Complex Systems 9 (1995), with index ``eta``; half of the parameters are crossed.
+    """
+    chosen = rng.random(parents[0].shape) < 0.5
+    chosen &= (np.abs(parents[0] - parents[1]) > _ALIKE_PARENTS) & (low != high)
+    one, other = parents[:, chosen]
+    below, above = np.minimum(one, other), np.maximum(one, other)
+    lowest, highest = (np.broadcast_to(end, chosen.shape)[chosen] for end in (low, high))
+    drawn, between = rng.random(one.size), above - below
+
+    def spread(room: Array) -> Array:
+        alpha = 2.0 - (1.0 + 2.0 * room / between) ** -(eta + 1.0)
+        part = drawn * alpha
+        return np.where(drawn <= 1.0 / alpha, part, 1.0 / (2.0 - part)) ** (1.0 / (eta + 1.0))
+
+    lower = 0.5 * ((below + above) - spread(below - lowest) * between)
+    upper = 0.5 * ((below + above) + spread(highest - above) * between)
+    is_swapped = rng.random(one.size) < 0.5
+    children = parents.copy()
+    children[0, chosen] = np.where(is_swapped, upper, lower)
+    children[1, chosen] = np.where(is_swapped, lower, upper)
+    return np.clip(children, low, high)
+
+
+def _mutated(
+    values: Float[Array, "m d"],
+    low: Float[Array, " d"],
+    high: Float[Array, " d"],
+    rate: float,
+    rng: np.random.Generator,
+) -> Float[Array, "m d"]:
+    """Candidates with a share ``rate`` of their parameters moved, by polynomial mutation.
+
+    Deb & Goyal, Computer Science and Informatics 26 (1996), with an index of 20.
+    """
+    chosen = (rng.random(values.shape) < rate) & (low != high)
+    lowest, span = (np.broadcast_to(one, chosen.shape)[chosen] for one in (low, high - low))
+    own = values[chosen]
+    drawn = rng.random(own.size)
+    is_up = drawn > 0.5
+    room = np.where(is_up, (lowest + span) - own, own - lowest) / span
+    power = (1.0 - room) ** (_MUTATION + 1.0)
+    left = np.where(is_up, 2.0 * (1.0 - drawn), 2.0 * drawn)
+    moved = (left + np.abs(1.0 - 2.0 * drawn) * power) ** (1.0 / (_MUTATION + 1.0)) - 1.0
+    found = values.copy()
+    found[chosen] = own + np.where(is_up, -moved, moved) * span
+    return np.clip(found, low, high)
+
+
+def _fronts(costs: Float[Array, "m q"], enough: int) -> list[Array]:
+    """Candidates that none dominates, then those that only these dominate, until there are enough.
+
+    Deb, Pratap, Agarwal & Meyarivan (2002); equal candidates are in one front.
+    """
+    below = np.logical_and.reduce([one[:, None] <= one for one in costs.T])
+    dominates = below & ~below.T
+    above = np.count_nonzero(dominates, axis=0)
+    fronts: list[Array] = []
+    while sum(map(len, fronts)) < min(enough, len(costs)):
+        front = np.flatnonzero(above == 0)
+        fronts.append(front)
+        above -= np.count_nonzero(dominates[front], axis=0)
+        above[front] = -1
+    return fronts
+
+
+def _niches(objectives: int, population: int) -> Any:
+    """The survival of NSGA-III in pymoo."""
+    from pymoo.config import Config
+
+    Config.warnings["not_compiled"] = False  # otherwise printed where pymoo was not compiled
+    from pymoo.algorithms.moo.nsga3 import ReferenceDirectionSurvival
+
+    return ReferenceDirectionSurvival(_directions(objectives, population))
 
 
 def _directions(objectives: int, most: int) -> Float[Array, "k q"]:
@@ -458,7 +528,6 @@ class SearchMethod:
 METHODS: Mapping[str, SearchMethod] = {
     "nsga2": SearchMethod(
         algorithm=lambda problem, population, _: Genetic(problem, population, many=False),
-        package="pymoo",
         of_several=True,
     ),
     "nsga3": SearchMethod(
@@ -513,16 +582,16 @@ def refuse_method(problem: Problem, method: str) -> None:
         If its package is not installed, it takes one objective and the problem has several, or the
         problem has too few parameters for it.
     """
-    chosen = METHODS[method]
-    if chosen.package:
+    chosen, count = METHODS[method], len(problem.objectives)
+    package = "pymoo" if count > MOST_MEASURED else chosen.package
+    if package:
         refuse_absent_package(
-            chosen.package,
+            package,
             "method",
             extra="design",
             value=method,
-            otherwise=("use de for one objective",),
+            otherwise=("use de for one objective", "use nsga2 for two"),
         )
-    count = len(problem.objectives)
     if count > 1 and not chosen.of_several:
         raise InputError(
             "method",

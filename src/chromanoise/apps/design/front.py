@@ -314,6 +314,10 @@ def scaled(costs: Float[Array, "m q"]) -> Float[Array, "m q"]:
     return (costs - low) / np.where(high > low, high - low, 1.0)
 
 
+MOST_MEASURED = 2
+"""Most objectives whose `hypervolume` needs no optional package."""
+
+
 def hypervolume(
     costs: Float[Array, "m q"], best: Float[Array, " q"], reference: Float[Array, " q"]
 ) -> float:
@@ -341,7 +345,7 @@ def hypervolume(
     if not len(share):
         return 0.0
     share = share[non_dominated(share)]
-    if share.shape[1] == 2:
+    if share.shape[1] <= MOST_MEASURED:
         first, second = share[np.argsort(share[:, 0])].T
         return float(np.sum(np.diff(np.append(first, 1.0)) * (1.0 - second)))
     from pymoo.indicators.hv import Hypervolume
