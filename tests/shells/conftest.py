@@ -1,5 +1,10 @@
 """What the tests of several commands share."""
 
+import re
+import sys
+import tomllib
+from pathlib import Path
+
 import pytest
 
 from chromanoise.base.errors import InputError, errors_in
@@ -48,3 +53,54 @@ def done(run):
         return out, err
 
     return call
+
+
+_MODULES = {
+    "bm3d": "bm3d",
+    "cma": "cma",
+    "dask": "dask",
+    "distributed": "distributed",
+    "astropy": "astropy",
+    "h5netcdf": "h5netcdf",
+    "h5py": "h5py",
+    "imagecodecs": "imagecodecs",
+    "opencv-python-headless": "cv2",
+    "openexr": "OpenEXR",
+    "openpyxl": "openpyxl",
+    "pandas": "pandas",
+    "pymoo": "pymoo",
+    "pywavelets": "pywt",
+    "rawpy": "rawpy",
+    "scikit-image": "skimage",
+    "torch": "torch",
+    "xarray": "xarray",
+    "zarr": "zarr",
+}
+_EXTRAS = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text("utf-8"))[
+    "project"
+]["optional-dependencies"]
+_OF_USERS = [packages for name, packages in _EXTRAS.items() if name not in ("bench", "dev", "docs")]
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """As after ``pip install chromanoise``: no package of an extra can be imported."""
+    names = {re.split("[><=]", one)[0] for packages in _OF_USERS for one in packages}
+    assert names == set(_MODULES)
+    for name in [one for one in sys.modules if one.split(".")[0] in _MODULES.values()]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "meta_path", [_Without(finder) for finder in sys.meta_path])
+
+
+class _Without:
+    """A finder of modules that finds none of an extra."""
+
+    def __init__(self, finder):
+        self.finder = finder
+
+    def find_spec(self, name, path=None, target=None):
+        found = name.split(".")[0] not in _MODULES.values()
+        return self.finder.find_spec(name, path, target) if found else None
+
+    def __getattr__(self, name):
+        return getattr(self.finder, name)

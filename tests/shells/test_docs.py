@@ -4,9 +4,6 @@ import importlib
 import re
 import runpy
 import shlex
-import sys
-import textwrap
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -53,66 +50,12 @@ def test_the_readme_plots_what_it_computed():
     assert space["axes"].lines
 
 
-def commands_in(text):
-    """The words of each command line, without comments."""
-    lines = text.replace("\\\n", "").splitlines()
-    words = [shlex.split(part, comments=True) for line in lines for part in line.split("&&")]
-    return [one[1:] for one in words if one and one[0] in ("chromanoise", ".venv/bin/chromanoise")]
-
-
 def readme_commands():
-    return commands_in("\n".join(readme_blocks("sh")))
-
-
-MODULES = {
-    "bm3d": "bm3d",
-    "cma": "cma",
-    "dask": "dask",
-    "distributed": "distributed",
-    "astropy": "astropy",
-    "h5netcdf": "h5netcdf",
-    "h5py": "h5py",
-    "imagecodecs": "imagecodecs",
-    "opencv-python-headless": "cv2",
-    "openexr": "OpenEXR",
-    "openpyxl": "openpyxl",
-    "pandas": "pandas",
-    "pymoo": "pymoo",
-    "pywavelets": "pywt",
-    "rawpy": "rawpy",
-    "scikit-image": "skimage",
-    "torch": "torch",
-    "xarray": "xarray",
-    "zarr": "zarr",
-}
-EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"][
-    "optional-dependencies"
-]
-OF_USERS = [packages for name, packages in EXTRAS.items() if name not in ("bench", "dev", "docs")]
-
-
-@pytest.fixture
-def alone(monkeypatch):
-    """As after ``pip install chromanoise``: no package of an extra can be imported."""
-    names = {re.split("[><=]", one)[0] for packages in OF_USERS for one in packages}
-    assert names == set(MODULES)
-    for name in [one for one in sys.modules if one.split(".")[0] in MODULES.values()]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setattr(sys, "meta_path", [_Without(finder) for finder in sys.meta_path])
-
-
-class _Without:
-    """A finder of modules that finds none of an extra."""
-
-    def __init__(self, finder):
-        self.finder = finder
-
-    def find_spec(self, name, path=None, target=None):
-        found = name.split(".")[0] not in MODULES.values()
-        return self.finder.find_spec(name, path, target) if found else None
-
-    def __getattr__(self, name):
-        return getattr(self.finder, name)
+    """The command lines of the README, without comments."""
+    lines = "\n".join(readme_blocks("sh")).replace("\\\n", "")
+    parts = [part for line in lines.splitlines() for part in line.split("&&")]
+    words = [shlex.split(part, comments=True) for part in parts]
+    return [one[1:] for one in words if one and one[0] in ("chromanoise", ".venv/bin/chromanoise")]
 
 
 LONG = ("reproduce", "rerun", "run", "characterize")  # minutes, or for the sake of another
@@ -137,29 +80,13 @@ def test_each_command_of_the_readme_runs_without_extras(readme_folder, done, alo
     done(*words)
 
 
-BLOCK = re.compile(r"^( *)```(\w+)(?: file=(\S+))?\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
-SLOW = ("characterize.md", "denoising.md", "sensitivity.md", "cluster.md", "own_matrix.md")
-GUIDES = [
-    pytest.param(path, id=path.name, marks=pytest.mark.evidence if path.name in SLOW else ())
-    for path in DOCUMENTS[2:]
-    if commands_in("\n".join(one[3] for one in BLOCK.findall(path.read_text("utf-8"))))
-]
-
-
-@pytest.mark.parametrize("document", GUIDES)
-def test_each_command_of_a_guide_runs_without_extras(readme_folder, done, alone, document):
-    for _, kind, file, text in BLOCK.findall(document.read_text("utf-8")):
-        own = textwrap.dedent(text)
-        if file:
-            Path(file).write_text(own, encoding="utf-8")
-        for words in commands_in(own) if kind == "sh" else ():
-            if words[0] != "serve":
-                done(*words)
-
-
 def test_the_starter_design_is_searched_without_extras(here, done, alone):
     done("init", "--design", "design.toml")
-    out, _ = done("optimize", "design.toml", "-o", "found", "--budget", 400)
+    starter = Path("design.toml").read_text(encoding="utf-8")
+    quick = starter.replace("population = 200 ", "population = 20\npolish = false\nseeds = 1 ")
+    assert quick != starter
+    Path("design.toml").write_text(quick, encoding="utf-8")
+    out, _ = done("optimize", "design.toml", "-o", "found", "--budget", 100)
     assert "snr_y_db" in out
 
 

@@ -116,7 +116,9 @@ LONG = ("denoising.md", "characterize.md")
     [pytest.param(p, marks=pytest.mark.evidence) if p.name in LONG else p for p in RUNNING],
     ids=page_id,
 )
-def test_every_block_of_a_page_runs_and_prints_what_the_page_says(path, here, done, capsys):
+def test_every_block_of_a_page_runs_without_extras_and_prints_what_the_page_says(
+    path, here, done, capsys, alone
+):
     run_page(path, done, capsys)
 
 
