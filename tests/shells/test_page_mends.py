@@ -459,7 +459,9 @@ def test_a_wait_for_the_first_picture_is_told_in_its_place_with_the_reason(windo
     until(page, "(s) => document.querySelector(s).textContent.includes('pixels.')", SAID)
     assert "being made" not in said.inner_text()
     page.locator("[data-part=picture]").get_by_label("Left").select_option("0 still")
-    until(page, "(s) => document.querySelector(s).textContent === 'The picture is being made.'", SAID)
+    until(
+        page, "(s) => document.querySelector(s).textContent === 'The picture is being made.'", SAID
+    )
     comes(page, waiting, 2)
     let_go(waiting, 2)
     until(page, "() => !document.querySelector('[data-part=picture]').hasAttribute('aria-busy')")
