@@ -230,6 +230,8 @@ export interface StoryStep {
   parts: Part[];
   sentences: string[];
   task: string;
+  /** To the task, with its numbers. */
+  answer: string;
   /** Key of the control that the task names, or empty. */
   control: string;
   study: Study;
