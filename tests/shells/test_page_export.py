@@ -259,11 +259,14 @@ def test_pictures_and_their_divided_view_are_saved(window):
     image = page.locator("section[data-part=picture] img")
     image.nth(1).wait_for()
     until(page, "() => document.querySelector('.d-stack img').naturalWidth > 0")
-    size = tuple(image.first.evaluate("(one) => [one.naturalWidth, one.naturalHeight]"))
-    for item in ("onyx-rgbw, noisy", "as divided"):
+    page.get_by_label("Zoom").select_option("2")
+    width, height, shown = image.first.evaluate(
+        "(one) => [one.naturalWidth, one.naturalHeight, one.closest('.d-stack').offsetWidth]"
+    )
+    for item, across in (("onyx-rgbw, noisy", width), ("as divided", shown // 2)):
         name, png = saved(page, "section[data-part=picture]", item)
         assert name.startswith("chromanoise-picture-")
-        assert struct.unpack(">II", png[16:24]) == size
+        assert struct.unpack(">II", png[16:24]) == (across, height)
 
 
 def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(

@@ -188,6 +188,40 @@ def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(windo
     page.locator("#study .track").first.click(trial=True)
 
 
+BEGINS = """(picture) => {
+    const left = (node) => node.getBoundingClientRect().left;
+    const [stack, divider] = [".d-stack", ".d-divider"].map((one) => picture.querySelector(one));
+    const [first, second] = picture.querySelectorAll("img");
+    const clip = parseFloat(getComputedStyle(second).clipPath.split(" ").at(-1)) || 0;
+    const middle = left(divider) + divider.offsetWidth / 2;
+    const beyond = second.getBoundingClientRect().right - stack.getBoundingClientRect().right;
+    return { first: left(stack) - left(first), second: middle - left(second), clip, beyond,
+             at: middle - left(stack), room: stack.offsetWidth, wide: first.offsetWidth };
+}"""
+
+
+@pytest.mark.parametrize("of", [{"viewport": {"width": 1280, "height": 800}}, PHONE])
+def test_the_same_patches_stand_left_and_right_of_the_divider_wherever_it_is(window, of):
+    page = window(**of)
+    panel = page.locator("[data-part=picture]")
+    panel.locator("img").nth(1).wait_for()
+    divider = panel.get_by_role("slider")
+    for zoom, scrolled in (("0", 0), ("1", 20), ("4", 1000)):
+        panel.get_by_label("Zoom").select_option(zoom)
+        page.wait_for_timeout(200)
+        panel.locator(".d-scroll").evaluate("(n, x) => (n.scrollLeft = x)", scrolled)
+        page.wait_for_timeout(200)
+        for key in ("End", "Shift+ArrowLeft", "Home", "Shift+ArrowRight"):
+            divider.press(key)
+            seen = panel.locator(".d-picture").evaluate(BEGINS)
+            begin = pytest.approx(scrolled, abs=1)
+            assert [seen["first"], seen["second"], seen["clip"]] == [begin] * 3
+            assert 0 <= seen["at"] <= seen["wide"] + 1  # no gap beside the left one
+            if not scrolled:
+                assert seen["beyond"] >= -1  # nor beside the right one
+    assert seen["room"] <= of["viewport"]["width"]
+
+
 def test_one_sensor_stands_beside_itself_without_noise(window):
     page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}, "look": {}})
     panel = page.locator("[data-part=picture]")
