@@ -29,7 +29,7 @@ def box(page, selector):
     )
 
 
-def test_the_first_screen_has_the_verdict_both_pictures_and_the_sliders_of_the_exposure(window):
+def test_the_first_screen_has_verdict_pictures_exposure_and_a_place_to_drop_a_file(window):
     page = window(viewport={"width": 1280, "height": 800})
     until(page, "() => document.querySelector('[data-part=picture] img')?.naturalWidth > 0")
     page.wait_for_timeout(100)
@@ -40,6 +40,8 @@ def test_the_first_screen_has_the_verdict_both_pictures_and_the_sliders_of_the_e
     for label in ("Light level", "Exposure time", "f-number"):
         place = page.get_by_label(label, exact=True).bounding_box()
         assert place["y"] + place["height"] <= 800, label
+    _, top, _, bottom = box(page, "label.drop")
+    assert 0 <= top < bottom <= 300
     verdict = page.locator("#verdict").evaluate(
         "(n) => n.getBoundingClientRect().height / parseFloat(getComputedStyle(n).lineHeight)"
     )
