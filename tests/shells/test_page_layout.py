@@ -190,6 +190,18 @@ def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(windo
     page.locator("#study .track").first.click(trial=True)
 
 
+def test_up_to_three_sensors_stand_side_by_side_in_every_chart_with_a_panel_for_each(window):
+    names = MANY[:3]
+    page = window({"study": study_with(names), "look": {}}, viewport={"width": 1280, "height": 800})
+    for part in ("budget", "vectors", "ellipses", "sensitivities"):
+        panel = page.locator(f"section[data-part={part}] .body")
+        boxes = [panel.get_by_text(name, exact=True).last.bounding_box() for name in names]
+        assert len({round(one["y"]) for one in boxes}) == 1, part
+        assert boxes[0]["x"] < boxes[1]["x"] < boxes[2]["x"], part
+    words = page.locator("section[data-part=budget] svg text").all_text_contents()
+    assert not [text for text in words if text.endswith("\u2026")]
+
+
 BEGINS = """(picture) => {
     const left = (node) => node.getBoundingClientRect().left;
     const [stack, divider] = [".d-stack", ".d-divider"].map((one) => picture.querySelector(one));
