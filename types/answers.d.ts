@@ -283,7 +283,7 @@ export interface Head {
 /** The table of the sensors: a column per key, and a row of values and of text per sensor. */
 export interface Ranking {
   columns: RankingColumn[];
-  rows: { name: string; values: Maybe[]; text: string[]; saturated: string[] }[];
+  rows: { name: string; values: Maybe[]; text: string[]; saturated: string[]; assumed: string }[];
   notes: string[];
 }
 

@@ -81,7 +81,7 @@ def test_the_first_two_reasons_are_shown_and_a_button_shows_all(window):
 def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(window):
     page = window({"study": study_with(MANY), "look": {}})
     ranking = drawing("head", shown(study_from_data(study_with(MANY), source="")))["ranking"]
-    names = page.locator("#electrons tbody th")
+    names = page.locator("#electrons tbody th > span")
     assert names.all_inner_texts() == MANY
     assert page.locator("#electrons tbody td[data-key=rank]").all_inner_texts() == [
         row["text"][0] for row in ranking["rows"]
@@ -104,6 +104,18 @@ def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(wind
     assert names.all_inner_texts() == best_first[::-1]
     page.keyboard.press("Enter")
     assert names.all_inner_texts() == MANY
+
+
+def test_what_is_assumed_of_a_pixel_stands_in_words_beside_the_name_of_its_sensor(window):
+    page = window({"study": study_with(["mt9v024-rgb", "onyx-rgb"]), "look": {}})
+    cells = page.locator("#electrons tbody th")
+    sentence = "full well and read noise are assumed: 10,000 e\u207b, 10 e\u207b"
+    assert cells.nth(0).locator("small").inner_text() == sentence
+    assert cells.nth(1).locator("small").count() == 0
+    assert "not given" not in page.locator("#electrons").inner_text()
+    known = {"name": "mt9v024-rgb", "pixel": {"read_noise_e": 3.0}}
+    page = window({"study": {"sensors": [known]}, "look": {}})
+    assert page.locator("#electrons small").inner_text() == "full well is assumed: 10,000 e\u207b"
 
 
 def test_a_pinned_number_is_beside_the_number_and_not_over_it(window):

@@ -50,7 +50,8 @@ def test_a_dropped_sensor_is_understood_and_takes_part_under_its_name(window):
     add = brought.get_by_role("button", name="Add as a sensor")
     question, _ = answer_to(page, add.click)
     assert question["study"]["sensors"][2]["name"].startswith("upload:")
-    assert page.locator("#electrons tbody th").all_inner_texts()[2] == "my sensor"
+    assert page.locator("#electrons tbody th > span").all_inner_texts()[2] == "my sensor"
+    assert "read noise are assumed" in page.locator("#electrons tbody th").nth(2).inner_text()
     assert (
         page.get_by_label("Sensor 3").locator("option:checked").inner_text().startswith("my sensor")
     )
