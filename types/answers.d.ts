@@ -230,6 +230,8 @@ export interface StoryStep {
   parts: Part[];
   sentences: string[];
   task: string;
+  /** To the task, with its numbers. */
+  answer: string;
   /** Key of the control that the task names, or empty. */
   control: string;
   study: Study;
@@ -281,7 +283,7 @@ export interface Head {
 /** The table of the sensors: a column per key, and a row of values and of text per sensor. */
 export interface Ranking {
   columns: RankingColumn[];
-  rows: { name: string; values: Maybe[]; text: string[]; saturated: string[] }[];
+  rows: { name: string; values: Maybe[]; text: string[]; saturated: string[]; assumed: string }[];
   notes: string[];
 }
 

@@ -9,7 +9,8 @@ import xml.etree.ElementTree as ElementTree
 import httpx
 import pytest
 
-from chromanoise.charts import Look, as_data, chart_csv, drawing, shown
+from chromanoise.charts import Look, as_data, card_of, chart_csv, drawing, shown
+from chromanoise.charts.card import MOST_ON_CARD
 from chromanoise.cli.entry import run as run_command
 from chromanoise.study import study_from_data
 from chromanoise.web.answers import report_reply
@@ -40,6 +41,11 @@ def client(address):
 @pytest.fixture(scope="module")
 def of():
     return shown(study_from_data(STUDY, source="a test"))
+
+
+def card(client, **study):
+    """The reply of the page with a card of the default study, changed."""
+    return client.post("/api/card", json={"study": STUDY | study})
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +99,23 @@ def test_a_report_gives_dropped_files_their_own_names(client, tmp_path, monkeypa
     assert page == reported(tmp_path, text, monkeypatch)
     assert b"my curves.csv" in page
     assert upload.split(":")[1].encode() not in page
+
+
+def test_the_card_of_the_page_is_that_of_the_library_for_the_study_that_is_shown(client):
+    study = {"light": {"illuminant": "A", "level_lux": 20.0}, "matrices": ["lmmse"]}
+    reply = card(client, **study)
+    assert reply.headers["content-type"] == "application/pdf"
+    assert reply.headers["content-disposition"] == "attachment"
+    answer = client.post("/api/answer", json={"study": STUDY | study, "want": []}).json()
+    assert reply.headers["x-chromanoise-hash"] == answer["hash"]
+    own = card_of(shown(study_from_data(STUDY | study, source="a test"))).content("pdf")
+    assert reply.content == own
+
+
+def test_a_card_of_more_sensors_than_it_holds_is_refused_with_the_limit(client):
+    told = card(client, sensors=[{"name": "onyx-rgb"}] * (MOST_ON_CARD + 1)).json()["faults"]
+    assert [one["where"] for one in told] == ["sensors"]
+    assert f"at most {MOST_ON_CARD} on a card" in told[0]["sentence"]
 
 
 def test_a_report_of_a_wrong_study_is_refused_with_the_key(client):
@@ -236,11 +259,14 @@ def test_pictures_and_their_divided_view_are_saved(window):
     image = page.locator("section[data-part=picture] img")
     image.nth(1).wait_for()
     until(page, "() => document.querySelector('.d-stack img').naturalWidth > 0")
-    size = tuple(image.first.evaluate("(one) => [one.naturalWidth, one.naturalHeight]"))
-    for item in ("onyx-rgbw, noisy", "as divided"):
+    page.get_by_label("Zoom").select_option("2")
+    width, height, shown = image.first.evaluate(
+        "(one) => [one.naturalWidth, one.naturalHeight, one.closest('.d-stack').offsetWidth]"
+    )
+    for item, across in (("onyx-rgbw, noisy", width), ("as divided", shown // 2)):
         name, png = saved(page, "section[data-part=picture]", item)
         assert name.startswith("chromanoise-picture-")
-        assert struct.unpack(">II", png[16:24]) == size
+        assert struct.unpack(">II", png[16:24]) == (across, height)
 
 
 def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
@@ -285,12 +311,24 @@ def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
     assert wrong == []
 
 
-def test_a_report_that_cannot_be_made_is_refused_in_one_sentence(window):
+def test_the_card_is_saved_from_the_page_under_the_hash_of_its_study(window):
     page = window({"study": STUDY, "look": {}})
-    fault = {"faults": [{"where": "", "sentence": "No report today."}]}
-    page.route("**/api/report", lambda route: route.fulfill(json=fault))
-    page.get_by_role("button", name="Save report").click()
-    until(page, "() => document.getElementById('copied').textContent === 'No report today.'")
+    short = page.evaluate("document.documentElement.dataset.hash")[:8]
+    with page.expect_download() as caught:
+        page.get_by_role("button", name="Save card").click()
+    assert caught.value.suggested_filename == f"chromanoise-card-{short}.pdf"
+    with open(caught.value.path(), "rb") as file:  # noqa: PTH123
+        assert file.read(5) == b"%PDF-"
+    until(page, "() => document.getElementById('copied').textContent === 'The card was saved.'")
+
+
+@pytest.mark.parametrize("name", ["report", "card"])
+def test_a_file_that_cannot_be_made_is_refused_in_one_sentence(window, name):
+    page = window({"study": STUDY, "look": {}})
+    fault = {"faults": [{"where": "", "sentence": "Not today."}]}
+    page.route(f"**/api/{name}", lambda route: route.fulfill(json=fault))
+    page.get_by_role("button", name=f"Save {name}").click()
+    until(page, "() => document.getElementById('copied').textContent === 'Not today.'")
 
 
 def test_axe_finds_no_fault_in_an_open_menu_and_beside_a_mark(window, axe):

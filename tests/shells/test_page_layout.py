@@ -29,7 +29,7 @@ def box(page, selector):
     )
 
 
-def test_the_first_screen_has_the_verdict_both_pictures_and_the_sliders_of_the_exposure(window):
+def test_the_first_screen_has_verdict_pictures_exposure_and_a_place_to_drop_a_file(window):
     page = window(viewport={"width": 1280, "height": 800})
     until(page, "() => document.querySelector('[data-part=picture] img')?.naturalWidth > 0")
     page.wait_for_timeout(100)
@@ -40,6 +40,8 @@ def test_the_first_screen_has_the_verdict_both_pictures_and_the_sliders_of_the_e
     for label in ("Light level", "Exposure time", "f-number"):
         place = page.get_by_label(label, exact=True).bounding_box()
         assert place["y"] + place["height"] <= 800, label
+    _, top, _, bottom = box(page, "label.drop")
+    assert 0 <= top < bottom <= 300
     verdict = page.locator("#verdict").evaluate(
         "(n) => n.getBoundingClientRect().height / parseFloat(getComputedStyle(n).lineHeight)"
     )
@@ -79,7 +81,7 @@ def test_the_first_two_reasons_are_shown_and_a_button_shows_all(window):
 def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(window):
     page = window({"study": study_with(MANY), "look": {}})
     ranking = drawing("head", shown(study_from_data(study_with(MANY), source="")))["ranking"]
-    names = page.locator("#electrons tbody th")
+    names = page.locator("#electrons tbody th > span")
     assert names.all_inner_texts() == MANY
     assert page.locator("#electrons tbody td[data-key=rank]").all_inner_texts() == [
         row["text"][0] for row in ranking["rows"]
@@ -102,6 +104,18 @@ def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(wind
     assert names.all_inner_texts() == best_first[::-1]
     page.keyboard.press("Enter")
     assert names.all_inner_texts() == MANY
+
+
+def test_what_is_assumed_of_a_pixel_stands_in_words_beside_the_name_of_its_sensor(window):
+    page = window({"study": study_with(["mt9v024-rgb", "onyx-rgb"]), "look": {}})
+    cells = page.locator("#electrons tbody th")
+    sentence = "full well and read noise are assumed: 10,000 e\u207b, 10 e\u207b"
+    assert cells.nth(0).locator("small").inner_text() == sentence
+    assert cells.nth(1).locator("small").count() == 0
+    assert "not given" not in page.locator("#electrons").inner_text()
+    known = {"name": "mt9v024-rgb", "pixel": {"read_noise_e": 3.0}}
+    page = window({"study": {"sensors": [known]}, "look": {}})
+    assert page.locator("#electrons small").inner_text() == "full well is assumed: 10,000 e\u207b"
 
 
 def test_a_pinned_number_is_beside_the_number_and_not_over_it(window):
@@ -186,6 +200,52 @@ def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(windo
     page.locator("#tour").click()
     page.locator("#sheet").click()
     page.locator("#study .track").first.click(trial=True)
+
+
+def test_up_to_three_sensors_stand_side_by_side_in_every_chart_with_a_panel_for_each(window):
+    names = MANY[:3]
+    page = window({"study": study_with(names), "look": {}}, viewport={"width": 1280, "height": 800})
+    for part in ("budget", "vectors", "ellipses", "sensitivities"):
+        panel = page.locator(f"section[data-part={part}] .body")
+        boxes = [panel.get_by_text(name, exact=True).last.bounding_box() for name in names]
+        assert len({round(one["y"]) for one in boxes}) == 1, part
+        assert boxes[0]["x"] < boxes[1]["x"] < boxes[2]["x"], part
+    words = page.locator("section[data-part=budget] svg text").all_text_contents()
+    assert not [text for text in words if text.endswith("\u2026")]
+
+
+BEGINS = """(picture) => {
+    const left = (node) => node.getBoundingClientRect().left;
+    const [stack, divider] = [".d-stack", ".d-divider"].map((one) => picture.querySelector(one));
+    const [first, second] = picture.querySelectorAll("img");
+    const clip = parseFloat(getComputedStyle(second).clipPath.split(" ").at(-1)) || 0;
+    const middle = left(divider) + divider.offsetWidth / 2;
+    const beyond = second.getBoundingClientRect().right - stack.getBoundingClientRect().right;
+    return { first: left(stack) - left(first), second: middle - left(second), clip, beyond,
+             at: middle - left(stack), room: stack.offsetWidth, wide: first.offsetWidth };
+}"""
+
+
+@pytest.mark.parametrize("of", [{"viewport": {"width": 1280, "height": 800}}, PHONE])
+def test_the_same_patches_stand_left_and_right_of_the_divider_wherever_it_is(window, of):
+    page = window(**of)
+    panel = page.locator("[data-part=picture]")
+    panel.locator("img").nth(1).wait_for()
+    divider = panel.get_by_role("slider")
+    for zoom, scrolled in (("0", 0), ("1", 20), ("4", 1000)):
+        panel.get_by_label("Zoom").select_option(zoom)
+        page.wait_for_timeout(200)
+        panel.locator(".d-scroll").evaluate("(n, x) => (n.scrollLeft = x)", scrolled)
+        page.wait_for_timeout(200)
+        for key in ("End", "Shift+ArrowLeft", "Home", "Shift+ArrowRight"):
+            divider.press(key)
+            seen = panel.locator(".d-picture").evaluate(BEGINS)
+            begin = pytest.approx(scrolled, abs=1)
+            assert [seen["first"], seen["second"], seen["clip"]] == [begin] * 3
+            assert 0 <= seen["at"] <= seen["wide"] + 1  # no gap beside the left one
+            if not scrolled:
+                assert seen["beyond"] >= -1  # nor beside the right one
+    assert seen["room"] <= of["viewport"]["width"]
 
 
 def test_one_sensor_stands_beside_itself_without_noise(window):

@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 from shells.browser import (
     EVERYTHING,
     answer_to,
@@ -442,3 +444,58 @@ def test_a_sensor_that_stands_there_twice_has_two_pictures_of_two_names(window):
     names = left.locator("option").all_inner_texts()
     assert names[0] == "onyx-rgbw, noisy"
     assert names[2] == "onyx-rgbw (2), noisy"
+
+
+def test_a_wait_for_the_first_picture_is_told_in_its_place_with_the_reason(window):
+    page = window(wait=False)
+    waiting = held(page, lambda request: request.url.endswith("/api/picture"))
+    page.reload()  # by now replies are held back
+    until(page, "(s) => document.querySelector(s)?.textContent.includes('compiled once')", SAID)
+    said, body = page.locator(SAID), page.locator("[data-part=picture] .body")
+    inner, outer = said.bounding_box(), body.bounding_box()
+    assert outer["y"] <= inner["y"] < inner["y"] + inner["height"] <= outer["y"] + outer["height"]
+    comes(page, waiting, 2)
+    let_go(waiting, 2)
+    until(page, "(s) => document.querySelector(s).textContent.includes('pixels.')", SAID)
+    assert "being made" not in said.inner_text()
+    page.locator("[data-part=picture]").get_by_label("Left").select_option("0 still")
+    until(
+        page, "(s) => document.querySelector(s).textContent === 'The picture is being made.'", SAID
+    )
+    comes(page, waiting, 2)
+    let_go(waiting, 2)
+    until(page, "() => !document.querySelector('[data-part=picture]').hasAttribute('aria-busy')")
+    assert "being made" not in said.inner_text()
+
+
+@pytest.mark.parametrize("how", ["not started", "lost", "busy"])
+def test_a_picture_that_was_lost_is_asked_for_once_more(window, watch, how):
+    watch.forgive("net::ERR_")
+    page = window()
+    panel = page.locator("[data-part=picture]")
+    panel.locator("img").nth(1).wait_for()
+    times = []
+
+    def lose(route):
+        times.append(route)
+        sentence = "the computation did not start within 120 s; send the request again"
+        fault = {"faults": [{"where": "", "sentence": sentence}]}
+        if how == "lost":
+            route.abort()
+        else:
+            route.fulfill(status=503 if how == "busy" else 200, json=fault)
+
+    page.route("**/api/picture", lose, times=2)  # those of both sides
+    panel.get_by_label("Left").select_option("0 still")
+    until(
+        page,
+        "() => document.querySelector('[data-part=picture] .d-captions').textContent"
+        ".includes('onyx-rgbw, without noise')",
+    )
+    assert len(times) == 2
+    page.route("**/api/picture", lose)
+    panel.get_by_label("Left").select_option("1 noisy")
+    told = "failed" if how != "not started" else "did not start"
+    until(page, "([s, told]) => document.querySelector(s).textContent.includes(told)", [SAID, told])
+    assert panel.get_attribute("aria-busy") is None
+    assert len(times) == 6  # twice for both sides, not more

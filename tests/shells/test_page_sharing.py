@@ -50,7 +50,8 @@ def test_a_dropped_sensor_is_understood_and_takes_part_under_its_name(window):
     add = brought.get_by_role("button", name="Add as a sensor")
     question, _ = answer_to(page, add.click)
     assert question["study"]["sensors"][2]["name"].startswith("upload:")
-    assert page.locator("#electrons tbody th").all_inner_texts()[2] == "my sensor"
+    assert page.locator("#electrons tbody th > span").all_inner_texts()[2] == "my sensor"
+    assert "read noise are assumed" in page.locator("#electrons tbody th").nth(2).inner_text()
     assert (
         page.get_by_label("Sensor 3").locator("option:checked").inner_text().startswith("my sensor")
     )
@@ -86,10 +87,10 @@ def test_every_fault_of_a_dropped_study_is_a_sentence_of_its_own(window):
     assert ["sensors.0.name" in wrong[0], "sensors.1.name" in wrong[1]] == [True, True]
 
 
-CUBE = """(content) => {
+DROP = """([name, content]) => {
     const bytes = Uint8Array.from(atob(content), (letter) => letter.charCodeAt(0));
     const dataTransfer = new DataTransfer();
-    dataTransfer.items.add(new File([bytes], "leaf.npz"));
+    dataTransfer.items.add(new File([bytes], name));
     document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true }));
 }"""
 
@@ -103,7 +104,7 @@ def test_a_cube_dropped_on_the_page_says_what_it_leaves_open_and_becomes_the_pic
     packed_cube = io.BytesIO()
     bands_nm = np.arange(400.0, 701.0, 50.0)
     np.savez(packed_cube, reflectance=np.full((5, 9, bands_nm.size), 0.4), wavelength_nm=bands_nm)
-    page.evaluate(CUBE, base64.b64encode(packed_cube.getvalue()).decode())
+    page.evaluate(DROP, ["leaf.npz", base64.b64encode(packed_cube.getvalue()).decode()])
     brought = page.locator(".brought")
     show = brought.get_by_role("button", name="Show in the picture")
     show.wait_for()
@@ -329,3 +330,10 @@ def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, wa
                 "(f) => document.querySelector('[data-key=f_number]').textContent === f",
                 field,
             )
+
+
+def test_in_a_narrow_window_a_dropped_file_opens_the_sheet_with_its_report(window):
+    page = window(viewport={"width": 700, "height": 800})
+    assert page.locator(".brought").is_hidden()
+    page.evaluate(DROP, ["lamp.csv", base64.b64encode(LAMP.encode()).decode()])
+    page.locator(".brought").get_by_role("button", name="Use as the light").wait_for()

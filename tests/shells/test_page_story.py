@@ -7,7 +7,12 @@ import chromanoise as cn
 from chromanoise.apps.paper.reproduction import nir_share
 from chromanoise.charts import shown
 from chromanoise.study import study_from_data
-from chromanoise.study.analysis import color_snr_db, contravariant_snr_db, raw_snr_db
+from chromanoise.study.analysis import (
+    color_snr_db,
+    contravariant_snr_db,
+    mean_color_error,
+    raw_snr_db,
+)
 from chromanoise.web.controls import choices
 from chromanoise.web.story import ALIKE_FROM_NM, story
 from chromanoise.web.worker import STUDY
@@ -31,6 +36,7 @@ def test_each_step_has_a_few_sentences_a_task_and_charts_of_the_page():
     for step in STEPS:
         assert 2 <= len(step["sentences"]) <= 4
         assert step["task"]
+        assert step["answer"]
         assert set(step["parts"]) <= known
 
 
@@ -91,6 +97,30 @@ def test_the_color_picture_is_noisier_without_the_cut_except_for_lmmse_in_low_li
     assert "30 and 28" in text_of(5)  # 29.6 and 27.8 in docs/findings.md
 
 
+def test_the_answers_have_the_numbers_of_the_study_after_the_task():
+    def found(lux=10, matrix="kernel", names=("onyx-rgbw", "onyx-rgb-ircut"), **change):
+        return cn.analyze(*names, lux=lux, time_ms=11.94, matrix=matrix, **change).analyses
+
+    answers = [step["answer"] for step in STEPS]
+    dim = found(1)
+    for name in SHARED:
+        more, less = (f"{raw_snr_db(one)[name]:.1f} dB" for one in dim)
+        assert f"{more} against {less} in {name}" in answers[0]
+    deep, cut = (found(names=["onyx-rgbw"], ircut_nm=edge)[0] for edge in (650, 700))
+    rgb = np.triu_indices(3, 1)
+    assert f"to {deep.between_deg[rgb].min():.0f}° (G and B)" in answers[1]
+    assert f"to {deep.mix.angle_deg:.0f}°" in answers[1]
+    assert f"{np.hypot(1, 1):.1f} g" in answers[2]
+    shorter, longer = answers[3].split("Longer")
+    assert "infrared (" in shorter
+    assert "filters (" in longer
+    assert f"from 26.0 dB to {color_snr_db(cut)['Y']:.1f} dB" in answers[3]
+    for one, faded in zip(found(0.1), found(0.1, "lmmse"), strict=True):
+        before, after = (f"{mean_color_error(a):.0f}" for a in (one, faded))
+        assert f"for {one.sensor.label} from {before} to {after} ΔE" in answers[4]
+        assert f"{color_snr_db(one)['Y']:.1f} dB for {one.sensor.label}" in answers[4]
+
+
 def comes_to(page, number):
     until(
         page,
@@ -120,7 +150,16 @@ def test_the_tour_has_an_end_is_left_by_a_slider_and_can_be_resumed(window):
         shown = page.locator(".story-control:visible [data-where]")
         keys = shown.evaluate_all("all => all.map((one) => one.dataset.where)")
         assert set(keys) == ({control} if control else set())
-    assert page.get_by_role("button", name="Next").is_disabled()
+        answer = page.locator("#story details")
+        assert STEPS[number - 1]["answer"] not in page.locator("#story").inner_text()
+        answer.locator("summary").press("Enter")
+        assert STEPS[number - 1]["answer"] in page.locator("#story").inner_text()
+    page.get_by_role("button", name="End tour").press("Enter")
+    page.locator("#story").wait_for(state="hidden")
+    page.wait_for_url(lambda _: state_of(page)["look"]["story"] is None)
+    assert study_of(page) == (own or STUDY)
+    page.go_back()
+    comes_to(page, 5)
     page.go_back()
     comes_to(page, 4)
     level = page.locator("[data-where='light.level_lux']")

@@ -19,7 +19,7 @@ from chromanoise.charts.description import numbers_of
 from chromanoise.charts.numbers import NONE, brief, decimal, electrons, listed, signed, table
 from chromanoise.metrics import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS, Budget
 from chromanoise.noise import DEFAULT_RULE, conditions, level_in_words
-from chromanoise.sensor import SOURCES, Sensor
+from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, SOURCES, Sensor
 from chromanoise.spectra import Spectra, chart_on, chart_title
 from chromanoise.study import (
     BRIGHT,
@@ -40,10 +40,12 @@ from chromanoise.study import (
     Reader,
     TradeOff,
     Verdict,
+    assumptions,
     color_snr_db,
     coordinate_budget,
     diagnosis,
     equal_color,
+    is_assumed,
     lost_colors,
     mean_color_error,
     pairs_of,
@@ -307,14 +309,34 @@ def _row(analysis: Analysis, columns: Sequence[_Column]) -> dict[str, Any]:
         "values": values,
         "text": texts,
         "saturated": saturated_names(analysis),
+        "assumed": _assumed(analysis.sensor),
     }
 
 
+def _assumed(sensor: Sensor) -> str:
+    """Which values of the pixel are assumed, in words and numbers; empty if none is."""
+    names = [name for name in PIXEL_REQUIRED if is_assumed(sensor, name)]
+    if not names:
+        return ""
+    values = [f"{getattr(sensor.pixel, one):,g} {_UNITS[PIXEL[one].unit]}" for one in names]
+    verb = "is" if len(names) == 1 else "are"
+    return f"{listed([PIXEL[one].label for one in names])} {verb} assumed: {', '.join(values)}"
+
+
+_UNITS = {"um": "µm", "e-": "e⁻"}
+
+
 def _notes(analyses: Sequence[Analysis]) -> list[str]:
-    """The remarks on the sensors, each once, with the sensors that it applies to."""
+    """The remarks on the sensors, each once, with the sensors that it applies to.
+
+    What is assumed is in their rows.
+    """
     named: dict[str, list[str]] = {}
     for analysis in analyses:
+        beside = assumptions(analysis.sensor)
         for note in diagnosis(analysis):
+            if note in beside:
+                continue
             named.setdefault(note, []).append(analysis.sensor.label)
     return [f"{', '.join(names)}: {note}" for note, names in named.items()]
 

@@ -61,6 +61,7 @@ if TYPE_CHECKING:
         RECONSTRUCTION,
         SENSOR_NAMES as SENSOR_NAMES,
         Entry as Entry,
+        assumptions as assumptions,
         catalog_entries as catalog_entries,
         catalog_entry as catalog_entry,
         catalog_file_of as catalog_file_of,

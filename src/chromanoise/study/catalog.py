@@ -227,9 +227,12 @@ def is_assumed(sensor: Sensor, name: str) -> bool:
     sensor
         Of the catalog or a file.
     """
-    return any(
-        _USING in note and PIXEL[name].label in note.partition(" of ")[0] for note in sensor.notes
-    )
+    return any(PIXEL[name].label in note.partition(" of ")[0] for note in assumptions(sensor))
+
+
+def assumptions(sensor: Sensor) -> tuple[str, ...]:
+    """The notes of a sensor on values of the paper's pixel that it has for want of its own."""
+    return tuple(note for note in sensor.notes if _USING in note)
 
 
 _USING = "not given: using "

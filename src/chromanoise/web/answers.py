@@ -4,14 +4,24 @@ import json
 import logging
 import shutil
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import chdir, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from chromanoise.base import InputError, json_of
-from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, as_data, chart_csv, drawing, shown
+from chromanoise.charts import (
+    DRAWINGS,
+    PARTS,
+    Look,
+    Shown,
+    as_data,
+    card_of,
+    chart_csv,
+    drawing,
+    shown,
+)
 from chromanoise.imaging import Work
 from chromanoise.io import is_matrix_file
 from chromanoise.noise import OperatingPoint
@@ -38,6 +48,7 @@ from chromanoise.web.page_studies import (
 from chromanoise.web.report_of_study import sights_of, study_report
 from chromanoise.web.requests import QuestionError, Upload, field, malformed, page_sentence
 
+T = TypeVar("T")
 _LOG = logging.getLogger("chromanoise.web")
 _BESIDE: dict[str, Any] = {  # no drawing depends on them
     **dict.fromkeys(("sweeps", "pictures", "title", "seed"), True),
@@ -221,15 +232,45 @@ def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) ->
     QuestionError
         With all faults of the study.
     """
+
+    def report(of: Shown) -> str:
+        return study_report(of, sights_of(of, work=Work(threads=1)))
+
+    return _made_in(folder, studies, question, report)[0]
+
+
+def card_reply(studies: Studies, question: Mapping[str, Any], folder: Path) -> tuple[bytes, str]:
+    """The PDF of ``/api/card``, and the hash of the study.
+
+    Parameters
+    ----------
+    question, folder
+        As `report_reply`.
+
+    Raises
+    ------
+    QuestionError
+        With all faults of the study, or if it has more sensors than a card.
+    """
+
+    def card(of: Shown) -> bytes:
+        return card_of(of, work=Work(threads=1)).content("pdf")
+
+    return _made_in(folder, studies, question, card)
+
+
+def _made_in(
+    folder: Path, studies: Studies, question: Mapping[str, Any], make: Callable[[Shown], T]
+) -> tuple[T, str]:
+    """A file of the copied study in a folder with its files, and the hash of the study."""
     study, used = studies.read(field(question, "study", dict, {}))
     points = studies.operating_points(study, used)  # faults have the keys of the page's controls
 
-    def report() -> str:
+    def made() -> T:
         with _beside_files(study, used, folder):
-            of = shown(labeled(study, used), operating_points=points)
-            return study_report(of, sights_of(of, work=Work(threads=1)))
+            return make(shown(labeled(study, used), operating_points=points))
 
-    return made_at("", used, report)
+    return made_at("", used, made), studies.hash_of(study, used)
 
 
 @contextmanager

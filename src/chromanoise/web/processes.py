@@ -303,6 +303,7 @@ _QUESTIONS = ("choices", "story", "explanations", "answer", "texts", "csv")
 JOBS: Mapping[str, Job] = {
     **dict.fromkeys(_QUESTIONS, Job(lane="questions", cpu_s=15, limit_s=120.0)),
     "report": Job(lane="reports", cpu_s=60, limit_s=300.0),
+    "card": Job(lane="reports", cpu_s=60, limit_s=300.0),
     "picture": Job(lane="pictures", cpu_s=25, limit_s=150.0),
     "previewed": Job(lane="uploads", cpu_s=4, limit_s=60.0, where="file"),
 }

@@ -118,6 +118,7 @@ def application(
             Route("/api/texts", _replying(_told("texts")), methods=["POST"]),
             Route("/api/csv", _replying(_csv), methods=["POST"]),
             Route("/api/report", _replying(_report), methods=["POST"]),
+            Route("/api/card", _replying(_card), methods=["POST"]),
         ],
         exception_handlers={HTTPException: _status_reply, Exception: _crash_reply},
     )
@@ -243,13 +244,26 @@ async def _csv(request: Request, server: _Server) -> Response:
     return Response(text, media_type="text/csv")
 
 
+# to be kept as a file: not shown under the address of the page
+_ATTACHED = {"Content-Disposition": "attachment"}
+
+
 async def _report(request: Request, server: _Server) -> Response:
+    html = await _in_folder(request, server, "report")
+    return Response(html, media_type="text/html", headers=_ATTACHED)
+
+
+async def _card(request: Request, server: _Server) -> Response:
+    pdf, hashed = await _in_folder(request, server, "card")
+    headers = _ATTACHED | {"X-Chromanoise-Hash": hashed}
+    return Response(pdf, media_type="application/pdf", headers=headers)
+
+
+async def _in_folder(request: Request, server: _Server, name: str) -> Any:
+    """What a job makes of a study in a folder for the files of the study."""
     question = await question_of(request, server.bodies)
     with server.uploads.empty_folder() as folder:
-        html = await server.done(request, "report", question, folder)
-    # to be kept as a file: not shown under the address of the page
-    headers = {"Content-Disposition": "attachment"}
-    return Response(html, media_type="text/html", headers=headers)
+        return await server.done(request, name, question, folder)
 
 
 async def _picture(request: Request, server: _Server) -> Response:

@@ -1,12 +1,21 @@
-"""The tour of the page: five studies, each with a few sentences and a question."""
+"""The tour of the page: five studies, each with a few sentences, a question and its answer."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from chromanoise.charts import Shown, brief, decimal, electrons, level_curves, listed, shown
+from chromanoise.charts import (
+    Shown,
+    brief,
+    cause_label,
+    decimal,
+    electrons,
+    level_curves,
+    listed,
+    shown,
+)
 from chromanoise.metrics import CORRELATION, INFRARED, Cost
 from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.study import (
@@ -19,9 +28,15 @@ from chromanoise.study import (
     metric_of,
     raw_snr_db,
     study_from_data,
+    visual_noise_of,
 )
 
-_CUT_NM = 700.0  # of the task of the step about infrared
+# what the tasks ask for
+_CUT_NM = 700.0
+_DEEP_CUT_NM = 650.0
+_DIM_LUX = 1.0
+_DARK_LUX = 0.1
+_CHANGED_DB = 0.3  # least change of a bar that the answer names
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,6 +54,8 @@ class Step:
         What they show, with the numbers of the study of the step.
     task
         A question, or something to try.
+    answer
+        To the task, with the numbers of the study after the change that the task asks for.
     control
         Key of the control that the task names; the page opens and marks it. Empty for none.
     study
@@ -51,6 +68,7 @@ class Step:
     parts: tuple[str, ...]
     sentences: Callable[[Shown], Sequence[str]]
     task: str
+    answer: Callable[[Shown], str]
     control: str = ""
     study: Mapping[str, Any] = field(default_factory=dict)
     look: Mapping[str, Any] = field(default_factory=dict)
@@ -67,9 +85,10 @@ def story(study: Mapping[str, Any]) -> dict[str, Any]:
     steps = []
     for step in STEPS:
         data = dict(study) | dict(step.study)
-        sentences = step.sentences(shown(study_from_data(data, source="")))
+        of = shown(study_from_data(data, source=""))
         own = {"heading": step.heading, "parts": list(step.parts), "task": step.task}
-        own |= {"sentences": list(sentences), "control": step.control}
+        own |= {"sentences": list(step.sentences(of)), "answer": step.answer(of)}
+        own |= {"control": step.control}
         steps.append(own | {"study": data, "look": dict(step.look)})
     return {"steps": steps}
 
@@ -89,6 +108,18 @@ def _raw(of: Shown) -> list[str]:
         f"of {name}, as it is read from the sensor (raw), is {better} dB, against {worse} dB: the "
         "sensor without IR-cut looks better.",
     ]
+
+
+def _raw_answer(of: Shown) -> str:
+    bare, cut = _at_level(of, of.study.matrices[0], _DIM_LUX)
+    pairs = [
+        f"{_raw_db(bare, name)} dB against {_raw_db(cut, name)} dB in {name}"
+        for name in _shared(bare, cut)
+    ]
+    return (
+        f"Yes. At {brief(_DIM_LUX)} lx it has {listed(pairs)}. Both sensors lose SNR, because "
+        "fewer photons arrive."
+    )
 
 
 def _alike(of: Shown) -> list[str]:
@@ -112,6 +143,20 @@ def _alike(of: Shown) -> list[str]:
     ]
 
 
+def _alike_answer(of: Shown) -> str:
+    bare, mended = of.analyses[0], _with_cut(of, _DEEP_CUT_NM)
+    before, after = bare.mix, mended.mix
+    assert before is not None  # as in `_alike`
+    assert after is not None
+    return (
+        f"The smallest angle between R, G and B grows from {_closest(bare, but=before.channel)} to "
+        f"{_closest(mended, but=after.channel)}. But {after.channel} comes closer to a mix of "
+        f"the others: the angle falls from {decimal(before.angle_deg, 0)}° to "
+        f"{decimal(after.angle_deg, 0)}°, so {after.channel} adds almost no "
+        "information about the color."
+    )
+
+
 def _unmixed(of: Shown) -> list[str]:
     bare, cut = of.analyses
     names = _shared(bare, cut)
@@ -129,6 +174,14 @@ def _unmixed(of: Shown) -> list[str]:
         f"{after_cut} dB.",
         f"The sensor with the better raw SNR now has the worse SNR in {listed(names)}.",
     ]
+
+
+def _scales_answer(of: Shown) -> str:
+    return (
+        "The difference is 1 g, with an error of 1.4 g (the square root of 1² + 1²). The error is "
+        "larger than the difference, although each scale is accurate to 0.1 %. The same happens "
+        "to two channels that are nearly equal."
+    )
 
 
 def _infrared(of: Shown) -> list[str]:
@@ -155,6 +208,25 @@ def _infrared(of: Shown) -> list[str]:
     ]
 
 
+def _infrared_answer(of: Shown) -> str:
+    bare, mended = of.analyses[0], _with_cut(of)
+    before, after = ({one.cause: one.cost_db for one in _costs(a)} for a in (bare, mended))
+    changes = {cause: abs(after[cause]) - abs(before[cause]) for cause in before}
+
+    def named(causes: Iterable[str]) -> str:
+        texts = (
+            f"{cause_label(cause, 'Y')} ({_change_db(before[cause], after[cause])})"
+            for cause in causes
+        )
+        return listed(list(texts))
+
+    return (
+        f"Shorter: {named(one for one, by in changes.items() if by < -_CHANGED_DB)}. Longer: "
+        f"{named(one for one, by in changes.items() if by > _CHANGED_DB)}. The SNR of Y rises from "
+        f"{decimal(_luminance_db(bare))} dB to {decimal(_luminance_db(mended))} dB."
+    )
+
+
 def _picture(of: Shown) -> list[str]:
     bare, cut = of.analyses
     luminance, luminance_cut = (decimal(color_snr_db(a)["Y"]) for a in (bare, cut))
@@ -178,21 +250,39 @@ def _picture(of: Shown) -> list[str]:
     ]
 
 
+def _picture_answer(of: Shown) -> str:
+    strong, faded = (_at_level(of, one, _DARK_LUX) for one in ("kernel", "lmmse"))
+    bare, cut = (
+        f"for {before.sensor.label} from {decimal(mean_color_error(before), 0)} to "
+        f"{decimal(mean_color_error(after), 0)} ΔE (visual noise {_noise(before)} to "
+        f"{_noise(after)})"
+        for before, after in zip(strong, faded, strict=True)
+    )
+    return (
+        f"With kernel both pictures are lost in noise: the SNR of Y is "
+        f"{decimal(_luminance_db(strong[0]))} dB for {strong[0].sensor.label} and "
+        f"{decimal(_luminance_db(strong[1]))} dB for {strong[1].sensor.label}. With lmmse the "
+        f"noise falls, and the colors fade with it. Their mean error rises {bare}, and {cut}."
+    )
+
+
 STEPS: tuple[Step, ...] = (
     Step(
         heading="Raw looks better",
         parts=("stages",),
         sentences=_raw,
-        task="Try it: drag the light level down to 1 lx. Does the sensor without IR-cut keep its "
-        "lead in raw SNR?",
+        task=f"Try it: drag the light level down to {_DIM_LUX:g} lx. Does the sensor without "
+        "IR-cut keep its lead in raw SNR?",
+        answer=_raw_answer,
         control="light.level_lux",
     ),
     Step(
         heading="Two channels that look alike",
         parts=("sensitivities", "vectors"),
         sentences=_alike,
-        task="Try it: set the IR-cut edge of onyx-rgbw to 650 nm. R, G and B then differ more. But "
-        "what about W? (Without the infrared, W is even closer to the sum of R, G and B.)",
+        task=f"Try it: set the IR-cut edge of onyx-rgbw to {_DEEP_CUT_NM:.0f} nm. R, G and B then "
+        "differ more. But what about W?",
+        answer=_alike_answer,
         control="sensors.0.ircut_nm",
     ),
     Step(
@@ -201,6 +291,7 @@ STEPS: tuple[Step, ...] = (
         sentences=_unmixed,
         task="Think of two scales that are accurate to 1 g each. One shows 1000 g, the other 999 "
         "g. How well do you know the difference?",
+        answer=_scales_answer,
     ),
     Step(
         heading="Infrared carries no color",
@@ -208,6 +299,7 @@ STEPS: tuple[Step, ...] = (
         sentences=_infrared,
         task=f"Try it: set the IR-cut edge of onyx-rgbw to {_CUT_NM:.0f} nm. Which bars of the "
         "budget become shorter, and which longer?",
+        answer=_infrared_answer,
         control="sensors.0.ircut_nm",
         look={"coordinate": "Y"},
     ),
@@ -215,8 +307,10 @@ STEPS: tuple[Step, ...] = (
         heading="The color picture",
         parts=("picture", "levels"),
         sentences=_picture,
-        task="Try it: drag the light level down to 0.1 lx. Which picture is noisier now? Then "
-        "remove the matrix kernel, so that lmmse makes the pictures. How do their colors change?",
+        task=f"Try it: drag the light level down to {_DARK_LUX:g} lx. What becomes of both "
+        "pictures? Then remove the matrix kernel, so that lmmse makes the pictures. How do their "
+        "colors change?",
+        answer=_picture_answer,
         control="light.level_lux",
         study={"matrices": ["kernel", "lmmse"]},
         look={"coordinate": "Y"},
@@ -230,9 +324,13 @@ ALIKE_FROM_NM = 800.0
 
 def _cost(analysis: Analysis, cause: str) -> Cost:
     """What a cause costs of the SNR of Y, as the chart of the budget has it."""
+    return next(cost for cost in _costs(analysis) if cost.cause == cause)
+
+
+def _costs(analysis: Analysis) -> Sequence[Cost]:
     budget = coordinate_budget(analysis, "Y")
     assert budget is not None  # no sensor of the tour is saturated
-    return next(cost for cost in budget.costs if cost.cause == cause)
+    return budget.costs
 
 
 def _luminance_db(analysis: Analysis) -> float:
@@ -241,10 +339,10 @@ def _luminance_db(analysis: Analysis) -> float:
     return found
 
 
-def _with_cut(of: Shown) -> Analysis:
+def _with_cut(of: Shown, edge_nm: float = _CUT_NM) -> Analysis:
     """The first sensor behind an added IR-cut, with the time kept."""
     study = of.study
-    cut = study.sensors[0].model_copy(update={"ircut_nm": _CUT_NM})
+    cut = study.sensors[0].model_copy(update={"ircut_nm": edge_nm})
     time_ms = 1e3 * of.analyses[0].exposure.time_s
     exposure = study.exposure.model_copy(update={"time_ms": time_ms})
     return shown(study.model_copy(update={"sensors": (cut,), "exposure": exposure})).analyses[0]
@@ -264,9 +362,11 @@ def _unmixed_db(analysis: Analysis, name: str) -> float:
     return found
 
 
-def _closest(analysis: Analysis) -> str:
-    """The smallest angle between two channels, and their names."""
-    angles = analysis.between_deg + 360.0 * np.eye(len(analysis.sensor.names))
+def _closest(analysis: Analysis, *, but: str = "") -> str:
+    """The smallest angle between two channels, one left out, and their names."""
+    left_out = np.array([name == but for name in analysis.sensor.names])
+    apart = np.eye(len(left_out), dtype=bool) | left_out | left_out[:, None]
+    angles = np.where(apart, 360.0, analysis.between_deg)
     i, j = divmod(int(angles.argmin()), len(angles))
     first, second = (analysis.sensor.names[k] for k in (i, j))
     return f"{decimal(float(angles[i, j]), 0)}° ({first} and {second})"
@@ -283,3 +383,17 @@ def _at_level(of: Shown, matrix: str, level_lux: float) -> tuple[Analysis, ...]:
         }
     )
     return shown(study).analyses
+
+
+def _raw_db(analysis: Analysis, name: str) -> str:
+    return decimal(raw_snr_db(analysis)[name])
+
+
+def _change_db(before: float, after: float) -> str:
+    return f"{decimal(before)} to {decimal(after)} dB"
+
+
+def _noise(analysis: Analysis) -> str:
+    found = visual_noise_of(analysis)
+    assert found is not None  # as `_cost`
+    return decimal(found, 0)

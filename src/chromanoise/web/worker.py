@@ -23,7 +23,7 @@ from chromanoise.base import InputError, exit_after, held_bytes, stopped_after
 from chromanoise.charts import EXPLANATIONS, explanation_as_json
 from chromanoise.imaging.denoising import DENOISING
 from chromanoise.study import ExposurePart, LightPart, study_from_data
-from chromanoise.web.answers import ChartReplies, report_reply
+from chromanoise.web.answers import ChartReplies, card_reply, report_reply
 from chromanoise.web.controls import choices
 from chromanoise.web.page_studies import Studies, files_of
 from chromanoise.web.previews import PictureReplies, preview_of
@@ -90,6 +90,10 @@ class Services:
     def report(self, body: bytes, folder: Path) -> str:
         """The HTML of ``/api/report``; ``folder`` is empty, for the files of the study."""
         return report_reply(self._studies, data_of(body), folder)
+
+    def card(self, body: bytes, folder: Path) -> tuple[bytes, str]:
+        """The PDF of ``/api/card``, and the hash of its study; ``folder`` as for `report`."""
+        return card_reply(self._studies, data_of(body), folder)
 
     def texts(self, body: bytes) -> str:
         """The JSON of ``/api/texts``."""

@@ -338,6 +338,21 @@ export function wrapped(text, room, size = 13) {
   return lines;
 }
 
+const MOST_BESIDE = 3;
+const LEAST_BESIDE = 264; // px of a panel that can be read
+
+/**
+ * How panels of a sensor each share a width: up to three are side by side, of more as many as have
+ * the least width.
+ *
+ * @param {number} count
+ * @param {number} width
+ * @param {number} least
+ */
+export function sensorPanels(count, width, least) {
+  return panels(count, width, count > MOST_BESIDE ? least : LEAST_BESIDE);
+}
+
 /**
  * How small multiples share a width: columns, each panel's width, and where each begins.
  *

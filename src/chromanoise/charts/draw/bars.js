@@ -1,6 +1,6 @@
 /** Waterfalls: a panel per sensor with a bar per row, one under the other, all on one scale. */
 
-import { fitting, linear, niceRange, panels, textWidth, wrapped, zeroLine } from "draw/axes.js";
+import { fitting, linear, niceRange, sensorPanels, textWidth, wrapped, zeroLine } from "draw/axes.js";
 import { readable } from "draw/hover.js";
 import { caption, legend, notes, panelName, rowsOf } from "draw/look.js";
 import { refill } from "draw/refill.js";
@@ -25,7 +25,7 @@ export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const [own, ...ghosts] = [data, ...(options.ghosts ?? [])].map(waterfalls);
   const names = own.map(({ name }) => name);
-  const grid = panels(names.length, width, 420, 32);
+  const grid = sensorPanels(names.length, width, 420);
   const ends = [data, ...(options.ghosts ?? [])].flatMap(({ panels: [{ x }] }) => [x.low, x.high]);
   const scale = niceRange(ends, 5, [0]);
   const { label } = data.panels[0].x;
@@ -70,7 +70,7 @@ function waterfalls({ columns, panels: all, sensors }) {
 function layout({ steps, absence }, width, [low, high], pitch, unit) {
   const longest = Math.max(60, ...steps.map((step) => textWidth(step.label)));
   const beside = width - longest - 64 >= 64;
-  const left = beside ? Math.min(longest + 12, 0.5 * width) : 4;
+  const left = beside ? Math.min(longest + 12, 0.6 * width) : 4;
   const x = linear(low, high, left, width - 58);
   const lines = steps.map((step) => (beside ? [step.label] : wrapped(step.label, width - 8)));
   const tops = [];

@@ -33,6 +33,7 @@ export function draw(element, data, options = {}) {
   const key = legend(entries, ghosts.length, ghostMark(0, 18, 8));
   const figures = kinds.map((kind, k) => section(kind, plan, k));
   const boxes = kinds.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
+  for (const box of boxes) box.style.setProperty("width", `${plan.width}px`); // its heading may wrap
   const all = html("div", { class: "d-views d-kinds" }, boxes);
   readable(element, data.table, () => places(kinds, plan), true);
   const more = plan.numbers ? [] : [note(`The table has the numbers.${missing(data, kinds)}`)];
@@ -89,7 +90,7 @@ function layout(names, kinds, whole) {
   const left = Math.min(90, Math.max(26, ...all.map((row) => textWidth(row.name, 14) + 6)));
   const columns = names.map((_, i) => Math.max(42, ...all.map((row) => columnWidth(row, i))));
   const room = columns.reduce((sum, column) => sum + column, 4);
-  const width = panels(kinds.length, whole, Math.max(460, left + room + 240), 40).each;
+  const width = panels(kinds.length, whole, Math.max(400, left + room + 200), 40).each;
   const numbers = width - left - room >= LEAST_DOTS;
   const dots = numbers ? Math.min(width - room, 900) : width - 8;
   const colors = areMany(names) ? sensorLines(names).map((line) => line.color) : null;

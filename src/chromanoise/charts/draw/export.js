@@ -59,12 +59,15 @@ export function savePicture(image) {
  */
 export async function saveDivided(element) {
   const [left, right] = /** @type {NodeListOf<HTMLImageElement>} */ (element.querySelectorAll(".d-stack img"));
-  const share = Number(/** @type {HTMLInputElement} */ (element.querySelector(".d-stack input")).value) / 1000;
-  const { naturalWidth: width, naturalHeight: height } = left;
+  const [stack, divider] = [".d-stack", ".d-divider"].map((one) => /** @type {HTMLElement} */ (element.querySelector(one)));
+  const { naturalWidth, naturalHeight: height } = left;
+  // pixels of the picture
+  const [width, at, from] = [stack.offsetWidth, divider.offsetLeft + divider.offsetWidth / 2, -left.offsetLeft].map((length) =>
+    Math.round((length * naturalWidth) / left.offsetWidth),
+  );
   const { canvas, pen } = sheet(width, height);
-  const at = Math.round(share * width);
-  pen.drawImage(left, 0, 0);
-  if (at < width) pen.drawImage(right, at, 0, width - at, height, at, 0, width - at, height);
+  pen.drawImage(left, -from, 0);
+  pen.drawImage(right, from, 0, naturalWidth - from, height, at, 0, naturalWidth - from, height);
   pen.fillStyle = "#ffffff";
   pen.fillRect(at - 1, 0, 2, height);
   download(await blobOf(canvas), "picture-divided", "png");

@@ -1,4 +1,7 @@
-/** Two pictures of the same scene, one over the other, with a divider between them. */
+/**
+ * Two pictures of the same scene, left and right of a divider. Both begin at the same place of the
+ * scene, so that the same patches stand on both sides.
+ */
 
 import { html } from "draw/svg.js";
 
@@ -10,7 +13,7 @@ const shown = new WeakMap();
 
 /**
  * `data` is {left, right: addresses of pictures, labels: [left, right]}. `options.zoom` is whole;
- * 0 for at most 1:1, as wide as there is room.
+ * 0 for at most 1:1, where a picture is never wider than its room.
  *
  * @param {HTMLElement} element
  * @param {Pair} data
@@ -25,8 +28,8 @@ export function draw(element, data, options = {}) {
   }
   const zoom = Math.max(1, Math.round(options.zoom ?? 1));
   view.root.classList.toggle("d-fit", options.zoom === 0);
-  show(view.left, data.left, data.labels[0], zoom, view.line);
-  show(view.right, data.right, data.labels[1], zoom, view.line);
+  show(view.left, data.left, data.labels[0], zoom, view.root);
+  show(view.right, data.right, data.labels[1], zoom, view.root);
   view.captions.forEach((caption, i) => (caption.textContent = data.labels[i]));
   view.slider.setAttribute("aria-label", `Divider between ${data.labels[0]} and ${data.labels[1]}`);
 }
@@ -44,7 +47,9 @@ function built(at) {
   const stack = html("div", { class: "d-stack" }, [left, right, divider, slider]);
   const captions = [html("span"), html("span")];
   const line = html("p", { class: "d-captions" }, captions);
-  const root = html("div", { class: "d-picture" }, [line, html("div", { class: "d-scroll" }, [stack])]);
+  const scroll = html("div", { class: "d-scroll" }, [html("div", { class: "d-reach" }, [stack])]);
+  const root = html("div", { class: "d-picture" }, [line, scroll]);
+  scroll.addEventListener("scroll", () => stack.style.setProperty("--from", `${scroll.scrollLeft}px`), { passive: true });
   const place = () => {
     const share = Number(slider.value) / 1000;
     stack.style.setProperty("--at", String(share));
@@ -53,7 +58,7 @@ function built(at) {
   slider.addEventListener("input", place);
   slider.addEventListener("keydown", (event) => leap(event, slider, place));
   place();
-  return { root, left, right, slider, captions, line };
+  return { root, left, right, slider, captions };
 }
 
 /**
@@ -76,14 +81,14 @@ function leap(event, slider, place) {
  * @param {string} address
  * @param {string} label
  * @param {number} zoom
- * @param {HTMLElement} captions
+ * @param {HTMLElement} root
  */
-function show(image, address, label, zoom, captions) {
+function show(image, address, label, zoom, root) {
   image.alt = label;
   const size = () => {
     image.width = image.naturalWidth * zoom;
     image.height = image.naturalHeight * zoom;
-    captions.style.setProperty("max-width", `${Math.max(220, image.width)}px`);
+    root.style.setProperty("--wide", `${image.naturalWidth * zoom}px`);
   };
   image.onload = size;
   if (image.getAttribute("src") !== address) image.src = address;

@@ -3,7 +3,7 @@
  * Nothing here knows which chart it draws.
  */
 
-import { axes, fitting, linear, logarithmic, niceRange, niceStep, panels, spread, textWidth, wrapped } from "draw/axes.js";
+import { axes, fitting, linear, logarithmic, niceRange, niceStep, sensorPanels, spread, textWidth, wrapped } from "draw/axes.js";
 import { readable } from "draw/hover.js";
 import { areMany, caption, channelColor, legend, mark, markPath, notes, panelName, rowsOf, sensorDashes, sensorLines, sideNames } from "draw/look.js";
 import { refill } from "draw/refill.js";
@@ -93,7 +93,7 @@ const rulesOf = ({ marks }) => marks.filter((one) => one.kind === "rule");
 function layout({ chart }, ghosts, width, beside) {
   const [first] = chart.panels;
   const [single, wide] = [first.sensor === null, chart.panels.length > MOST_WIDE];
-  const grid = panels(chart.panels.length, width, first.equal ? (wide ? 220 : 340) : wide ? 304 : 360);
+  const grid = sensorPanels(chart.panels.length, width, first.equal ? (wide ? 220 : 340) : wide ? 304 : 360);
   const longest = Math.max(0, ...curvesOf(first).map(({ name }) => textWidth(name)));
   const room = beside ? Math.min(longest + 40, 0.36 * width) : 20;
   const rules = rulesOf(first);

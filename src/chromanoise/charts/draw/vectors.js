@@ -1,6 +1,6 @@
 /** Channels, light and its uncertainty in the space of color: a solid that can be turned. */
 
-import { panels, textWidth } from "draw/axes.js";
+import { sensorPanels, textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
 import { caption, channelColor, legend, note, panelHeading, sameSensor } from "draw/look.js";
 import { figure, figureWidth, html, line, say, svg, tenth, words } from "draw/svg.js";
@@ -69,7 +69,7 @@ export function draw(element, data, options = {}) {
  * @param {number} ghosts
  */
 function built(element, data, width, ghosts) {
-  const { each } = panels(data.sensors.length, width, data.sensors.length > MOST_WIDE ? 220 : 300);
+  const { each } = sensorPanels(data.sensors.length, width, data.sensors.length > MOST_WIDE ? 220 : 300);
   const size = { width: each, height: Math.round(Math.min(420, Math.max(240, 0.8 * each))) };
   const view = /** @type {View} */ ({ element, size, held: false }); // the rest comes with the data
   const names = data.sensors.map((sensor) => sensor.name);

@@ -1,4 +1,4 @@
-/** What is saved as files: each chart, the pictures, and the report of the study. */
+/** What is saved as files: each chart, the pictures, and report and card of the study. */
 
 import { reply, understood } from "app/ask.js";
 import { keepTelling, tell } from "app/copy.js";
@@ -11,7 +11,7 @@ import { saveChart, savePictures } from "draw/save.js";
 /** @import { Panel } from "app/panels.js" */
 
 /**
- * Puts a menu into the heading of each chart and of the pictures, and a button for the report.
+ * Puts a menu into the heading of each chart and of the pictures, and buttons for report and card.
  *
  * @param {Iterable<Panel>} panels
  */
@@ -22,46 +22,56 @@ export function saving(panels) {
       ...{ part, heading: title },
       draw: (element) => drawAgain(panel, element),
       data: () => /** @type {{ title: string }} */ (panel.data),
-      csv: () => fileOf("/api/csv", { part, look: askedLook(current().look) }).then((file) => file.text()),
+      csv: () => fileOf("csv", { part, look: askedLook(current().look) }).then((file) => file.text()),
     });
     within(section, ".head .tools").append(menu);
   }
   const picture = within(document, "section[data-part=picture]");
   const pictures = savePictures(within(picture, "h2").textContent ?? "", within(picture, ".body"));
   (picture.querySelector(".head .tools") ?? within(picture, ".head")).append(pictures);
-  const report = button("Save report", () => saveReport(report), { id: "report" });
-  byId("copy").append(report);
+  byId("copy").append(...WHOLE.map(wholeButton));
 }
 
+/** Files of the whole study, which the server writes. */
+const WHOLE = [
+  { name: "report", ending: "html", title: "All charts in one HTML file" },
+  { name: "card", ending: "pdf", title: "One sheet that compares up to five sensors, as PDF" },
+];
 /** Of a report, with the hash of its study. */
 const HEAD_BYTES = 500;
 
-/** @param {HTMLButtonElement} report */
-async function saveReport(report) {
-  if (report.hasAttribute("aria-disabled")) return;
+/** @param {typeof WHOLE[number]} whole */
+function wholeButton({ name, ending, title }) {
   const said = byId("copied");
-  attribute(report, "aria-disabled", "true");
-  keepTelling(said, "Writing the report \u2026");
-  try {
-    const [file, { download }] = await Promise.all([fileOf("/api/report", {}), import("draw/export.js")]);
-    // the page may show another study by now
-    const hash = /data-hash="(\w+)"/.exec(await file.slice(0, HEAD_BYTES).text())?.[1];
-    download(file, "report", "html", hash);
-    tell(said, "Report saved");
-  } catch (error) {
-    tell(said, error instanceof TypeError ? "The server does not answer, so nothing was saved." : /** @type {Error} */ (error).message);
-  }
-  attribute(report, "aria-disabled", null);
+  const pressed = button(`Save ${name}`, () => save(), { id: name, title });
+  const save = async () => {
+    if (pressed.hasAttribute("aria-disabled")) return;
+    attribute(pressed, "aria-disabled", "true");
+    keepTelling(said, `Writing the ${name} \u2026`);
+    try {
+      const [file, { download }] = await Promise.all([fileOf(name, {}), import("draw/export.js")]);
+      const content = await file.blob();
+      // the page may show another study by now
+      const hash = file.headers.get("X-Chromanoise-Hash") ?? /data-hash="(\w+)"/.exec(await content.slice(0, HEAD_BYTES).text())?.[1];
+      download(content, name, ending, hash);
+      tell(said, `The ${name} was saved.`);
+    } catch (error) {
+      tell(said, error instanceof TypeError ? "The server does not answer, so nothing was saved." : /** @type {Error} */ (error).message);
+    }
+    attribute(pressed, "aria-disabled", null);
+  };
+  return pressed;
 }
 
 /**
- * A file that the server makes of the study; throws what `understood` throws.
+ * The reply with a file that the server makes of the study; throws what `understood` throws.
  *
- * @param {string} path
+ * @param {string} name
  * @param {object} question
+ * @returns {Promise<Response>}
  */
-async function fileOf(path, question) {
-  const file = await reply(path, { study: current().study, ...question });
-  if (file.ok && !file.headers.get("Content-Type")?.startsWith("application/json")) return file.blob();
+async function fileOf(name, question) {
+  const file = await reply(`/api/${name}`, { study: current().study, ...question });
+  if (file.ok && !file.headers.get("Content-Type")?.startsWith("application/json")) return file;
   return understood(file);
 }

@@ -67,7 +67,8 @@ function showSensors(head, ghosts) {
     const swatch = svg("svg", { width: 16, height: 16, class: "d-swatch", "aria-hidden": "true" }, [
       mark(i, 8, 8, colors[i].color),
     ]);
-    return el("tr", {}, el("th", { scope: "row" }, swatch, row.name), ...cells, last);
+    const assumed = row.assumed ? el("small", { text: row.assumed }) : null;
+    return el("tr", {}, el("th", { scope: "row" }, swatch, el("span", { text: row.name }), assumed), ...cells, last);
   });
   const heads = [
     sortable(NAME, "sensor", "name of the sensor"),

@@ -28,8 +28,10 @@ import { refill } from "draw/refill.js";
 /** @type {Part[]} */
 export const PARTS = [];
 
-/** Sections that need more than one column. */
-const BROAD = ["head", "picture"];
+/** Sections that are no drawn parts. */
+const OTHERS = ["head", "picture"];
+/** Sections that need two columns, such as charts with a panel for each sensor, side by side. */
+const BROAD = [...OTHERS, "budget", "vectors", "stages", "ellipses", "sensitivities"];
 
 /**
  * A section of the page: heading, caption and the place of its drawing.
@@ -70,7 +72,7 @@ function sectionOf({ part, heading, shows, explanations }) {
  */
 export function panels(sections, { seen, tools, resized }) {
   byId("panels").append(...sections.map(sectionOf));
-  PARTS.push(...sections.map(({ part }) => part).filter((part) => !BROAD.includes(part)));
+  PARTS.push(...sections.map(({ part }) => part).filter((part) => !OTHERS.includes(part)));
   /** @type {Map<Part, Panel>} */
   const made = new Map();
   /** @param {Element} target */

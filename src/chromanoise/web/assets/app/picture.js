@@ -1,6 +1,6 @@
 /** The panel of the noisy picture: two of them with a divider, fetched after the numbers. */
 
-import { Refused, reply } from "app/ask.js";
+import { Refused, reply, understood } from "app/ask.js";
 import { attribute, brief, button, choice, el, fillChoice, say, within } from "app/dom.js";
 import { most, saidAt } from "app/paths.js";
 import { setDenoising } from "app/scene.js";
@@ -19,6 +19,15 @@ const SIDES = ["Left", "Right"];
 /** The zoom to begin with: in narrow windows as wide as there is room. */
 const ZOOMS = [["(max-width: 899px)", "0"], ["(min-width: 2560px)", "2"]];
 const NO_METHOD = ["", "none"];
+/** So long a wait is not told. */
+const SLOW_MS = 2000;
+/** Before a request that was lost is repeated. */
+const AGAIN_MS = 1000;
+const MAKING = "The picture is being made.";
+const FIRST =
+  "The first one after an installation takes longer: numerical code is compiled once for this processor, about a minute.";
+/** In the fault of a process that the server ended before it computed. */
+const NOT_STARTED = "did not start";
 
 /**
  * Fills the panel; gives `later(state)`, which fetches once nothing has moved for a while.
@@ -36,6 +45,8 @@ export function picturePanel(choices) {
 class View {
   /** @type {number | undefined} */
   #waiting;
+  /** @type {number | undefined} */
+  #slow;
   /** @type {AbortController | null} */
   #abort = null;
   /** @type {string | null} */
@@ -94,8 +105,7 @@ class View {
     if (key === this.#asked) return;
     // what is under way belongs to an earlier state
     this.#abort?.abort();
-    this.#asked = null;
-    this.#markDenoising(null);
+    this.#rest();
     clearTimeout(this.#waiting);
     const here = key === this.#shown;
     attribute(this.section, "aria-busy", here ? null : "true");
@@ -165,8 +175,12 @@ class View {
     if (known) say(this.what, `Denoising (${known.name}): ${sentence(known.what)} ${ITS_NOISE}`);
   }
 
-  /** @param {Study} study */
-  async #fetch(study) {
+  /**
+   * @param {Study} study
+   * @param {boolean} [again] whether a request that is lost is repeated
+   * @returns {Promise<void>}
+   */
+  async #fetch(study, again = true) {
     if (!this.#visible && document.querySelector(BUSY)) return this.later({ study });
     this.#abort = new AbortController();
     const { signal } = this.#abort;
@@ -174,6 +188,7 @@ class View {
     const [key, labels] = [this.#key(study), this.#labels(study)];
     const sides = this.sides.map(({ select }) => select.value);
     this.#asked = key;
+    this.#slow = setTimeout(() => this.#tellSlow(), SLOW_MS);
     try {
       const pictures = await this.#pictures(study, sides, labels, signal);
       this.#shown = key;
@@ -182,12 +197,32 @@ class View {
       say(this.said, this.#told);
     } catch (error) {
       if (signal.aborted) return;
+      if (again && isPassing(error)) {
+        await new Promise((wait) => setTimeout(wait, AGAIN_MS));
+        if (signal.aborted) return;
+        this.#rest();
+        return this.#fetch(study, false);
+      }
       const lost = "Loading the picture failed; it will be retried after the next change.";
       say(this.said, error instanceof Refused ? error.message : lost);
     }
+    this.#rest();
+    attribute(this.section, "aria-busy", null);
+  }
+
+  /** Nothing is asked for any more. */
+  #rest() {
     this.#asked = null;
     this.#markDenoising(null);
-    attribute(this.section, "aria-busy", null);
+    clearTimeout(this.#slow);
+    attribute(this.section, "data-making", null);
+  }
+
+  /** Says that a picture takes long, unless the denoised one is told about already. */
+  #tellSlow() {
+    if (this.section.hasAttribute("data-denoising")) return;
+    attribute(this.section, "data-making", true);
+    say(this.said, this.#pair ? MAKING : `${MAKING} ${FIRST}`);
   }
 
   /**
@@ -240,6 +275,15 @@ class View {
     const [left, right] = addresses;
     draw(this.body, { left, right, labels }, { zoom: Number(this.zoom.select.value), look: current().look });
   }
+}
+
+/**
+ * Whether the same request may succeed a moment later.
+ *
+ * @param {unknown} error
+ */
+function isPassing(error) {
+  return !(error instanceof Refused) || error.message.includes(NOT_STARTED);
 }
 
 const ITS_NOISE = "It uses the noise variance of this exposure.";
@@ -333,7 +377,6 @@ async function picture(study, side, signal) {
     const summary = taken.headers.get("X-Chromanoise-Summary");
     return { blob: await taken.blob(), summary: summary ? JSON.parse(summary) : {} };
   }
-  const answer = await taken.json().catch(() => null);
-  const faults = answer?.faults?.length ? answer.faults : [{ where: "", sentence: "No picture available." }];
-  throw new Refused(faults);
+  await understood(taken);
+  throw new Refused([{ where: "", sentence: "No picture available." }]);
 }

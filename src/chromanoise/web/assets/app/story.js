@@ -8,6 +8,8 @@ import { current, showState, subscribe } from "app/state.js";
 
 /** Charts above a panel grow while they come, so its place is looked at again after these times. */
 const SETTLING_MS = [600, 1400, 2600];
+const END =
+  "This is the last step. After the tour, replace a sensor by another one of the catalog or by a file of your own, and compare.";
 const LOST = "The tour cannot be loaded; is chromanoise serve still running?";
 
 /**
@@ -95,8 +97,10 @@ function storyParts(section, { go, leave }) {
   const left = el("p", { class: "story-left", role: "status" });
   const back = button("", () => go(0));
   const previous = button("Previous", () => go(-1));
-  const next = button("Next", () => go(1), { class: "primary" });
-  const away = button("Leave tour", leave, { title: "Returns to the study before the tour, or keeps the study that you changed" });
+  let isEnd = false;
+  const title = "Returns to the study before the tour, or keeps the study that you changed";
+  const next = button("Next", () => (isEnd ? leave() : go(1)), { class: "primary" });
+  const away = button("Leave tour", leave, { title });
   const buttons = el("div", { class: "tools" }, back, previous, next, away);
   section.replaceChildren(el("div", { class: "story-head" }, heading, left, buttons), text, announced);
   /**
@@ -106,12 +110,15 @@ function storyParts(section, { go, leave }) {
    * @param {boolean} isLeft whether the study is no longer that of the step
    */
   const show = (step, number, count, isLeft) => {
-    const title = `Step ${number} of ${count}: ${step.heading}`;
-    if (heading.textContent !== title) {
-      say(heading, title);
-      say(announced, title);
-      const task = el("p", { class: "story-task", text: step.task });
+    isEnd = number === count;
+    const named = `Step ${number} of ${count}: ${step.heading}`;
+    if (heading.textContent !== named) {
+      say(heading, named);
+      say(announced, named);
+      const answer = el("details", { class: "story-answer" }, el("summary", { text: "Answer" }), el("p", { text: step.answer }));
+      const task = el("div", { class: "story-task" }, el("p", { text: step.task }), answer);
       text.replaceChildren(...step.sentences.map((sentence) => el("p", { text: sentence })), task);
+      if (isEnd) text.append(el("p", { text: END }));
       text.scrollTop = 0;
     }
     const focus = document.activeElement;
@@ -120,8 +127,9 @@ function storyParts(section, { go, leave }) {
     say(back, `Restore step ${number}`);
     previous.hidden = number === 1;
     next.hidden = false;
-    next.disabled = number === count;
-    if (focus === next ? next.disabled : focus instanceof HTMLElement && focus.hidden) (next.disabled ? previous : next).focus();
+    say(next, isEnd ? "End tour" : "Next");
+    away.hidden = isEnd;
+    if (focus instanceof HTMLElement && focus.hidden) next.focus();
   };
   /** @param {string} sentence */
   const lost = (sentence) => {

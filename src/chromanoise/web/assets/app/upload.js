@@ -1,9 +1,10 @@
 /** Bring your own: a file of any kind, dropped anywhere or chosen. */
 
 import { Refused, sent, understood, UNHEARD } from "app/ask.js";
-import { el } from "app/dom.js";
+import { byId, el } from "app/dom.js";
 
 const LARGEST = 12e6;
+const KINDS = "Spectrum, sensor, pixel, crosstalk, color matrix, study, cube or front of a design; it stays on this computer.";
 
 /**
  * Puts the field for files into its place and lets files be dropped anywhere.
@@ -17,13 +18,16 @@ export function uploads(place) {
     type: "file",
     id: "file",
     class: "unseen",
+    "aria-describedby": "file-kinds",
     on: { change: () => field.files?.[0] && bring(field.files[0], report).then(() => (field.value = "")) },
   });
-  const label = el("label", { for: "file", class: "drop" }, el("span", { text: "Drop a file or choose one" }));
-  const hint = el("p", { class: "hint", text: "Spectrum, sensor, pixel, crosstalk, color matrix, study, cube or front of a design; it stays on this computer." });
-  place.replaceChildren(field, label, hint, report);
+  const label = el("label", { for: "file", class: "drop", title: KINDS, text: "Drop a file here or choose one" });
+  place.replaceChildren(field, label, el("p", { class: "unseen", id: "file-kinds", text: KINDS }), report);
+  document.body.dataset.kinds = KINDS;
   dropAnywhere((file) => {
-    place.closest("details")?.setAttribute("open", "");
+    // in a narrow window the report is in the sheet
+    const sheet = byId("sheet");
+    if (sheet.checkVisibility() && sheet.getAttribute("aria-expanded") === "false") sheet.click();
     bring(file, report);
   });
 }
