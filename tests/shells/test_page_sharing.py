@@ -95,10 +95,6 @@ DROP = """([name, content]) => {
 }"""
 
 
-@pytest.mark.xfail(
-    strict=False,
-    reason="the picture of a dropped cube may never come beside other tests: a known race",
-)
 def test_a_cube_dropped_on_the_page_says_what_it_leaves_open_and_becomes_the_picture(window):
     page = window()
     packed_cube = io.BytesIO()
