@@ -8,7 +8,6 @@ import subprocess
 import sys
 
 import numpy as np
-import pytest
 
 from served_page import served, stopped
 from shells.browser import answer_to, at_rest, packed, shown, state_of, study_of, until
