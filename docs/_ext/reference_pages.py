@@ -1,6 +1,6 @@
 """Sphinx extension: writes the reference pages from the program itself before each build.
 
-The pages are ``docs/reference/api/*.rst`` (one per public package), ``commands/*.rst`` (one per
+The pages are ``docs/reference/api/*.rst`` (those of the public packages), ``commands/*.rst`` (one per
 command) and ``study_keys.rst``. They are not kept in git. Names in Markdown such as
 `chromanoise.analyze` become links to them.
 """
@@ -12,104 +12,18 @@ import re
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import click
 from docutils import nodes
-from public_names import (
-    PACKAGES,
-    all_packages,
-    documentation_of_data,
-    home_of,
-    kind_of,
-    public_names,
-)
+from package_pages import api_index, heading, marked_up, pages_of_package
+from public_names import all_packages, home_of, public_names
 from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 from sphinx.transforms import SphinxTransform
 
-KINDS = ("functions", "classes", "data")
 OWN = re.compile(r"(?:chromanoise|cn)(?:\.\w+)+")
-
-
-# ---- Python ----
-
-
-def heading(text: str, line: str) -> str:
-    """A heading of reStructuredText."""
-    return f"{text}\n{line * len(text)}\n"
-
-
-def data_entry(module: ModuleType, name: str) -> str:
-    """A constant or a type with its docstring, and its value if that is short."""
-    value = getattr(module, name)
-    options = []
-    if isinstance(value, int | float | str):
-        options.append(f"   :value: {value!r}")
-    text = textwrap.indent(documentation_of_data(module.__name__, name), "   ")
-    return "\n".join([f".. py:data:: {name}", *options, "", text, ""])
-
-
-def page_of_package(module: ModuleType) -> str:
-    """The reference page of one package."""
-    path = module.__name__
-    parts = [heading(f"``{path}``", "="), f".. py:module:: {path}\n", inspect.getdoc(module) or ""]
-    named: dict[str, list[str]] = {kind: [] for kind in KINDS}
-    elsewhere = []
-    for name in public_names(module):
-        value = getattr(module, name)
-        if inspect.ismodule(value):
-            elsewhere.append((name, f"{path}.{name}", "package"))
-        elif (home := home_of(value, name, path)) is not None:
-            elsewhere.append((name, f"{home}.{name}", "documented with its package"))
-        else:
-            named[kind_of(value)].append(name)
-    if elsewhere:
-        rows = [
-            f"   * - ``{path}.{name}``\n     - :py:obj:`{target}` ({note})"
-            for name, target, note in elsewhere
-        ]
-        parts += [heading("Packages and shared names", "-"), ".. list-table::\n", *rows, ""]
-    for kind, names in named.items():
-        if not names:
-            continue
-        parts.append(heading(kind.capitalize().replace("Data", "Constants and types"), "-"))
-        if kind != "data":
-            entries = "\n".join(f"   {name}" for name in names)
-            parts.append(f".. autosummary::\n   :nosignatures:\n\n{entries}\n")
-        for name in names:
-            if kind == "data":
-                parts.append(data_entry(module, name))
-            elif kind == "classes":
-                parts.append(f".. autoclass:: {path}.{name}\n   :members:\n")
-            else:
-                parts.append(f".. autofunction:: {path}.{name}\n")
-    return "\n".join(parts)
-
-
-def api_index() -> str:
-    """The first page of the Python reference."""
-    parts = [
-        heading("Python", "="),
-        "Every public name, by package. :doc:`chromanoise` lists what ``import chromanoise as cn``"
-        " gives: most programs need no more.\n",
-        ".. toctree::\n   :hidden:\n\n   chromanoise\n",
-    ]
-    for title, paths in PACKAGES.items():
-        rows = []
-        for path in paths:
-            module = importlib.import_module(f"chromanoise.{path}")
-            summary = (inspect.getdoc(module) or "").partition("\n\n")[0].replace("\n", " ")
-            rows.append(f"* :doc:`chromanoise.{path}`: {summary}")
-        pages = "\n".join(f"   chromanoise.{path}" for path in paths)
-        parts += [
-            heading(title, "-"),
-            "\n".join(rows) + "\n",
-            f".. toctree::\n   :hidden:\n\n{pages}\n",
-        ]
-    return "\n".join(parts)
 
 
 # ---- the command line ----
@@ -347,8 +261,9 @@ def write_pages(app: Sphinx) -> None:
     """Write all reference pages and remove those of names that are gone."""
     folder = Path(app.srcdir) / "reference"
     pages = {
-        folder / "api" / f"{path}.rst": page_of_package(importlib.import_module(path))
+        folder / "api" / f"{name}.rst": text
         for path in all_packages()
+        for name, text in pages_of_package(importlib.import_module(path)).items()
     }
     pages[folder / "api" / "index.rst"] = api_index()
     pages |= {folder / "commands" / f"{name}.rst": text for name, text in command_pages().items()}
@@ -384,17 +299,14 @@ class LinkedNames(SphinxTransform):
 def escape_docstring(
     _app: Sphinx, _what: str, _name: str, _obj: object, _options: object, lines: list[str]
 ) -> None:
-    """Stars and bars of a docstring are signs of mathematics, not of reStructuredText."""
+    """Mathematics of a docstring as reStructuredText; examples and blocks of code stay."""
     example = literal = False
     for i, line in enumerate(lines):
         example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
         literal = literal and (not line.strip() or line.startswith(" "))
         if not (example or literal):
             start, text = re.fullmatch(r"(\s*(?:\* |\*+(?=\w+$))?)(.*)", line).groups()  # type: ignore[union-attr]
-            lines[i] = start + "".join(
-                piece if i % 2 else re.sub(r"([*|])", r"\\\1", piece)
-                for i, piece in enumerate(re.split(r"(``.+?``|`.+?`)", text))
-            )
+            lines[i] = start + marked_up(text)
         literal = literal or line.endswith("::")
 
 
