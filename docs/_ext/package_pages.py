@@ -23,9 +23,6 @@ MOST_NAMES = 12
 """A package with more names of its own has a page per chapter."""
 ABBREVIATIONS = ("eq", "eqs", "e.g", "i.e", "et al", "vs", "Rec", "Fig", "No")
 CODE = re.compile(r"(``.+?``|`.+?`)")
-POWER = re.compile(r"(?<=[\w)|\]*])\^(\([^()]*\)|[-+]?\w+)|(?<=\w)\^(?!\w)")
-INDEX = re.compile(r"(\)|(?<!\w)(?:[A-Za-z]|sigma|theta|phi|mu|SNR|VIF))_(\w{1,3})(?!\w)")
-ENTRY = re.compile(r"\*{0,2}\w+(, \*{0,2}\w+)*( : .*)?")
 
 
 def heading(text: str, line: str) -> str:
@@ -37,27 +34,11 @@ def heading(text: str, line: str) -> str:
 
 
 def marked_up(text: str) -> str:
-    """Prose of a docstring as reStructuredText.
-
-    Stars and bars are signs of mathematics; ``^`` is before a superscript, and ``_`` after a letter
-    before an index.
-    """
-    if ENTRY.fullmatch(text):  # the name of a parameter
-        return re.sub(r"([*|])", r"\\\1", text)
-    return "".join(piece if i % 2 else _prose(piece) for i, piece in enumerate(CODE.split(text)))
-
-
-def _prose(text: str) -> str:
-    escaped = re.sub(r"([*|])", r"\\\1", text)
-    return INDEX.sub(r"\1\ :sub:`\2`\ ", POWER.sub(_raised, escaped))
-
-
-def _raised(found: re.Match[str]) -> str:
-    """A superscript; the hat of an estimate, which nothing follows, is a combining accent."""
-    power = found[1]
-    if power is None:
-        return "\N{COMBINING CIRCUMFLEX ACCENT}"
-    return rf"\ :sup:`{power.removeprefix('(').removesuffix(')').replace('-', '−')}`\ "
+    """Prose of a docstring as reStructuredText, where stars and bars are signs of mathematics."""
+    return "".join(
+        piece if i % 2 else re.sub(r"([*|])", r"\\\1", piece)
+        for i, piece in enumerate(CODE.split(text))
+    )
 
 
 def summary(text: str | None) -> str:

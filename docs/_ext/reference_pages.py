@@ -17,6 +17,7 @@ from typing import Any
 import click
 from docutils import nodes
 from package_pages import api_index, heading, marked_up, pages_of_package
+from powers import pieces
 from public_names import all_packages, home_of, public_names
 from sphinx import addnodes
 from sphinx.application import Sphinx
@@ -276,6 +277,36 @@ def write_pages(app: Sphinx) -> None:
             old.unlink()
 
 
+class RaisedPowers(SphinxTransform):
+    """Sets powers and indices of running text as such; names and code stay."""
+
+    default_priority = 410
+    names = (
+        *(nodes.literal, nodes.literal_block, nodes.doctest_block, nodes.math, nodes.math_block),
+        *(nodes.raw, nodes.comment, nodes.strong, nodes.title, addnodes.desc_signature),
+        *(addnodes.pending_xref, addnodes.literal_strong, addnodes.index, nodes.reference),
+    )
+
+    def apply(self, **_: Any) -> None:
+        """Replace each text that has a power or an index."""
+        for text in list(self.document.findall(nodes.Text)):
+            parts = list(pieces(text.astext()))
+            node = text.parent
+            while len(parts) > 1 and node is not None and not isinstance(node, self.names):
+                node = node.parent
+            if len(parts) > 1 and node is None:
+                kinds = {"": nodes.Text, "sup": _superscript, "sub": _subscript}
+                text.parent.replace(text, [kinds[kind](part) for kind, part in parts if part])
+
+
+def _superscript(text: str) -> nodes.superscript:
+    return nodes.superscript("", text)
+
+
+def _subscript(text: str) -> nodes.subscript:
+    return nodes.subscript("", text)
+
+
 class LinkedNames(SphinxTransform):
     """Makes a link of a public name that stands as code in a page."""
 
@@ -299,7 +330,7 @@ class LinkedNames(SphinxTransform):
 def escape_docstring(
     _app: Sphinx, _what: str, _name: str, _obj: object, _options: object, lines: list[str]
 ) -> None:
-    """Mathematics of a docstring as reStructuredText; examples and blocks of code stay."""
+    """Stars and bars of a docstring are signs of mathematics, not of reStructuredText."""
     example = literal = False
     for i, line in enumerate(lines):
         example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
@@ -351,4 +382,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("build-finished", check_inventory)
     app.connect("html-page-context", level_captions, priority=900)  # after the theme
     app.add_transform(LinkedNames)
+    app.add_transform(RaisedPowers)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
