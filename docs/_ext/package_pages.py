@@ -160,7 +160,9 @@ def api_index() -> str:
         rows = []
         for path in paths:
             module = importlib.import_module(f"chromanoise.{path}")
-            rows.append(f"* :doc:`chromanoise.{path}`: {marked_up(summary(inspect.getdoc(module)))}")
+            rows.append(
+                f"* :doc:`chromanoise.{path}`: {marked_up(summary(inspect.getdoc(module)))}"
+            )
         pages = "\n".join(f"   chromanoise.{path}" for path in paths)
         parts += [
             heading(title, "-"),

@@ -1,8 +1,8 @@
 """Sphinx extension: writes the reference pages from the program itself before each build.
 
-The pages are ``docs/reference/api/*.rst`` (those of the public packages), ``commands/*.rst`` (one per
-command) and ``study_keys.rst``. They are not kept in git. Names in Markdown such as
-`chromanoise.analyze` become links to them.
+The pages are ``docs/reference/api/*.rst`` (of the public packages), ``commands/*.rst`` (one per
+command), ``results/*.rst``, ``study_keys.rst`` and ``result_keys.rst``. They are not kept in git.
+Names in Markdown such as `chromanoise.analyze` become links to them.
 """
 
 import importlib
@@ -203,7 +203,7 @@ def page_of_keys() -> str:
 
 
 def keys_of_result(name: str, kind: Any) -> str:
-    """The keys in the JSON of one command."""
+    """The page of the keys in the JSON of one command."""
     from chromanoise.base import described_keys
 
     rows = [
@@ -214,7 +214,7 @@ def keys_of_result(name: str, kind: Any) -> str:
     summary = (inspect.getdoc(kind) or "").partition("\n\n")[0]
     return "\n".join(
         [
-            heading(f"``chromanoise {name} --json``", "-"),
+            heading(f"``chromanoise {name} --json``", "="),
             escaped(summary) + "\n",
             ".. list-table::\n   :header-rows: 1\n   :widths: 32 18 50\n",
             *(head, *rows, ""),
@@ -230,12 +230,16 @@ def type_in_words(one: Any) -> str:
     return f"list of {text}" if one.path[-1] == "[]" else text
 
 
-def page_of_results() -> str:
-    """Every key in the JSON of analyze, compare and matrix."""
+def pages_of_results() -> dict[str, str]:
+    """Every key in the JSON of analyze, compare and matrix: an overview and a page per command."""
     from chromanoise.study import RESULT_KINDS
 
-    commands = {name: name.replace("-map", " --and") for name in RESULT_KINDS}
-    return "\n".join(
+    pages = {
+        f"results/{name}": keys_of_result(name.replace("-map", " --and"), kind)
+        for name, kind in RESULT_KINDS.items()
+    }
+    listed = "\n".join(f"   {name}" for name in pages)
+    pages["result_keys"] = "\n".join(
         [
             heading("Keys of results", "="),
             "Keys in the JSON of the commands, of ``to_dict()`` and of the files of ``chromanoise"
@@ -243,9 +247,10 @@ def page_of_results() -> str:
             " and ``NAME`` is a name: of a channel, a coordinate, a prior. ``chromanoise schema"
             " analyze`` prints the same as JSON Schema. New keys may be added in any release."
             " :doc:`Pipelines <../howto/pipelines>` use them.\n",
-            *(keys_of_result(commands[name], kind) for name, kind in RESULT_KINDS.items()),
+            f".. toctree::\n\n{listed}\n",
         ]
     )
+    return pages
 
 
 # ---- Sphinx ----
@@ -269,7 +274,7 @@ def write_pages(app: Sphinx) -> None:
     pages[folder / "api" / "index.rst"] = api_index()
     pages |= {folder / "commands" / f"{name}.rst": text for name, text in command_pages().items()}
     pages[folder / "study_keys.rst"] = page_of_keys()
-    pages[folder / "result_keys.rst"] = page_of_results()
+    pages |= {folder / f"{name}.rst": text for name, text in pages_of_results().items()}
     for path, text in pages.items():
         written(path, text)
     for old in [*folder.glob("api/*.rst"), *folder.glob("commands/*.rst")]:
