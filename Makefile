@@ -91,7 +91,7 @@ clean-kernels:
 
 clean: clean-kernels
 	rm -rf $(VENV) node_modules out docs/auto_gallery docs/reference/api docs/reference/commands \
-	    docs/reference/study_keys.rst docs/reference/result_keys.rst
+	    docs/reference/study_keys.rst docs/reference/result_keys.rst docs/reference/results
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "chromanoise needs Python 3.11 or newer; set PYTHON=python3.12, for example")'

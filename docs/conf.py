@@ -21,7 +21,6 @@ version = release = chromanoise.__version__
 
 extensions = [
     "sphinx.ext.autodoc",
-    "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
     "myst_nb",
     "sphinx_copybutton",
@@ -36,7 +35,6 @@ default_role = "py:obj"
 suppress_warnings = ["config.cache"]
 
 # Python
-autosummary_generate = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 napoleon_google_docstring = False
@@ -76,11 +74,12 @@ sphinx_gallery_conf = {
 
 # pages
 html_theme = "furo"
-html_title = f"chromanoise {release}"
+html_title = f"chromanoise {release.partition('.dev')[0]}"  # short, for the sidebar
 html_math_renderer = "mathml"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
+html_split_index = True
 html_show_sphinx = False
 html_last_updated_fmt = None
 html_theme_options = {"navigation_with_keys": True}

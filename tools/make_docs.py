@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from chromanoise.apps.paper import PaperStudy, paper_study
 from chromanoise.apps.paper.printed_numbers import RGB_12, RGBW_12, paper_pictures
 from chromanoise.charts import chromanoise_style, draw_color_errors, draw_comparison
-from chromanoise.charts.figure_style import sensor_lines
+from chromanoise.charts.figure_style import channel_color, sensor_lines
 from chromanoise.color import kernel_matrix
 from chromanoise.geometry import dual_frame, ellipse_outline, variance_inflation
 from chromanoise.imaging import write_png
@@ -23,7 +23,6 @@ PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 GAP_PX = 16
 LEVELS_LUX = np.geomspace(0.01, 30, 71)
 READER_LUX = np.geomspace(0.05, 10, 61)
-COLORS = {"R": "red", "G": "green", "B": "blue"}
 READERS = {
     "snr-y": "eye: SNR of Y [dB]",
     "separation": "machine: median D_M",
@@ -158,7 +157,7 @@ def write_geometry_of_sensors(study: PaperStudy) -> None:
             sensor, exposure = study.columns[name].sensor, study.columns[name].exposure
             basis = measurement_vectors(sensor, exposure, "quanta")
             frame = dual_frame(basis, names=sensor.names, metric="quanta")
-            colors = ["0.3" if one == "W" else f"tab:{COLORS[one]}" for one in sensor.names]
+            colors = [channel_color(one) for one in sensor.names]
             for curve, color, channel in zip(sensor.qe.T, colors, sensor.names, strict=True):
                 row[0].plot(sensor.grid.wavelength_nm, curve, color=color, label=channel)
             row[0].set(title=sensor.name, xlabel="wavelength [nm]", ylabel="QE [e-/photon]")

@@ -1,4 +1,4 @@
-"""The tables of docs/findings.md on the light below which a sensor without IR-cut is better.
+"""The tables of docs/reader_findings.md on the light below which a sensor without IR-cut is better.
 
     python tools/reader_findings.py
 

@@ -48,7 +48,8 @@ def kind_of(value: object) -> str:
 
 
 @cache
-def _statements(path: str) -> list[ast.stmt]:
+def statements(path: str) -> list[ast.stmt]:
+    """The statements of a module, those of its ``if`` blocks last."""
     source = Path(str(importlib.import_module(path).__file__)).read_text(encoding="utf-8")
     body = ast.parse(source).body
     nested = [block.body for block in body if isinstance(block, ast.If)]
@@ -65,8 +66,8 @@ def documentation_of_data(path: str, name: str) -> str:
     name
         The name there.
     """
-    statements = _statements(path)
-    for statement, after in zip(statements, [*statements[1:], None], strict=True):
+    body = statements(path)
+    for statement, after in zip(body, [*body[1:], None], strict=True):
         targets = getattr(statement, "targets", [getattr(statement, "target", None)])
         if any(isinstance(one, ast.Name) and one.id == name for one in targets):
             text = after.value if isinstance(after, ast.Expr) else None

@@ -1,8 +1,8 @@
 """Sphinx extension: writes the reference pages from the program itself before each build.
 
-The pages are ``docs/reference/api/*.rst`` (one per public package), ``commands/*.rst`` (one per
-command) and ``study_keys.rst``. They are not kept in git. Names in Markdown such as
-`chromanoise.analyze` become links to them.
+The pages are ``docs/reference/api/*.rst`` (of the public packages), ``commands/*.rst`` (one per
+command), ``results/*.rst``, ``study_keys.rst`` and ``result_keys.rst``. They are not kept in git.
+Names in Markdown such as `chromanoise.analyze` become links to them.
 """
 
 import importlib
@@ -12,104 +12,19 @@ import re
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import click
 from docutils import nodes
-from public_names import (
-    PACKAGES,
-    all_packages,
-    documentation_of_data,
-    home_of,
-    kind_of,
-    public_names,
-)
+from package_pages import api_index, heading, marked_up, pages_of_package
+from powers import pieces
+from public_names import all_packages, home_of, public_names
 from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 from sphinx.transforms import SphinxTransform
 
-KINDS = ("functions", "classes", "data")
 OWN = re.compile(r"(?:chromanoise|cn)(?:\.\w+)+")
-
-
-# ---- Python ----
-
-
-def heading(text: str, line: str) -> str:
-    """A heading of reStructuredText."""
-    return f"{text}\n{line * len(text)}\n"
-
-
-def data_entry(module: ModuleType, name: str) -> str:
-    """A constant or a type with its docstring, and its value if that is short."""
-    value = getattr(module, name)
-    options = []
-    if isinstance(value, int | float | str):
-        options.append(f"   :value: {value!r}")
-    text = textwrap.indent(documentation_of_data(module.__name__, name), "   ")
-    return "\n".join([f".. py:data:: {name}", *options, "", text, ""])
-
-
-def page_of_package(module: ModuleType) -> str:
-    """The reference page of one package."""
-    path = module.__name__
-    parts = [heading(f"``{path}``", "="), f".. py:module:: {path}\n", inspect.getdoc(module) or ""]
-    named: dict[str, list[str]] = {kind: [] for kind in KINDS}
-    elsewhere = []
-    for name in public_names(module):
-        value = getattr(module, name)
-        if inspect.ismodule(value):
-            elsewhere.append((name, f"{path}.{name}", "package"))
-        elif (home := home_of(value, name, path)) is not None:
-            elsewhere.append((name, f"{home}.{name}", "documented with its package"))
-        else:
-            named[kind_of(value)].append(name)
-    if elsewhere:
-        rows = [
-            f"   * - ``{path}.{name}``\n     - :py:obj:`{target}` ({note})"
-            for name, target, note in elsewhere
-        ]
-        parts += [heading("Packages and shared names", "-"), ".. list-table::\n", *rows, ""]
-    for kind, names in named.items():
-        if not names:
-            continue
-        parts.append(heading(kind.capitalize().replace("Data", "Constants and types"), "-"))
-        if kind != "data":
-            entries = "\n".join(f"   {name}" for name in names)
-            parts.append(f".. autosummary::\n   :nosignatures:\n\n{entries}\n")
-        for name in names:
-            if kind == "data":
-                parts.append(data_entry(module, name))
-            elif kind == "classes":
-                parts.append(f".. autoclass:: {path}.{name}\n   :members:\n")
-            else:
-                parts.append(f".. autofunction:: {path}.{name}\n")
-    return "\n".join(parts)
-
-
-def api_index() -> str:
-    """The first page of the Python reference."""
-    parts = [
-        heading("Python", "="),
-        "Every public name, by package. :doc:`chromanoise` lists what ``import chromanoise as cn``"
-        " gives: most programs need no more.\n",
-        ".. toctree::\n   :hidden:\n\n   chromanoise\n",
-    ]
-    for title, paths in PACKAGES.items():
-        rows = []
-        for path in paths:
-            module = importlib.import_module(f"chromanoise.{path}")
-            summary = (inspect.getdoc(module) or "").partition("\n\n")[0].replace("\n", " ")
-            rows.append(f"* :doc:`chromanoise.{path}`: {summary}")
-        pages = "\n".join(f"   chromanoise.{path}" for path in paths)
-        parts += [
-            heading(title, "-"),
-            "\n".join(rows) + "\n",
-            f".. toctree::\n   :hidden:\n\n{pages}\n",
-        ]
-    return "\n".join(parts)
 
 
 # ---- the command line ----
@@ -288,7 +203,7 @@ def page_of_keys() -> str:
 
 
 def keys_of_result(name: str, kind: Any) -> str:
-    """The keys in the JSON of one command."""
+    """The page of the keys in the JSON of one command."""
     from chromanoise.base import described_keys
 
     rows = [
@@ -299,7 +214,7 @@ def keys_of_result(name: str, kind: Any) -> str:
     summary = (inspect.getdoc(kind) or "").partition("\n\n")[0]
     return "\n".join(
         [
-            heading(f"``chromanoise {name} --json``", "-"),
+            heading(f"``chromanoise {name} --json``", "="),
             escaped(summary) + "\n",
             ".. list-table::\n   :header-rows: 1\n   :widths: 32 18 50\n",
             *(head, *rows, ""),
@@ -315,12 +230,16 @@ def type_in_words(one: Any) -> str:
     return f"list of {text}" if one.path[-1] == "[]" else text
 
 
-def page_of_results() -> str:
-    """Every key in the JSON of analyze, compare and matrix."""
+def pages_of_results() -> dict[str, str]:
+    """Every key in the JSON of analyze, compare and matrix: an overview and a page per command."""
     from chromanoise.study import RESULT_KINDS
 
-    commands = {name: name.replace("-map", " --and") for name in RESULT_KINDS}
-    return "\n".join(
+    pages = {
+        f"results/{name}": keys_of_result(name.replace("-map", " --and"), kind)
+        for name, kind in RESULT_KINDS.items()
+    }
+    listed = "\n".join(f"   {name}" for name in pages)
+    pages["result_keys"] = "\n".join(
         [
             heading("Keys of results", "="),
             "Keys in the JSON of the commands, of ``to_dict()`` and of the files of ``chromanoise"
@@ -328,9 +247,10 @@ def page_of_results() -> str:
             " and ``NAME`` is a name: of a channel, a coordinate, a prior. ``chromanoise schema"
             " analyze`` prints the same as JSON Schema. New keys may be added in any release."
             " :doc:`Pipelines <../howto/pipelines>` use them.\n",
-            *(keys_of_result(commands[name], kind) for name, kind in RESULT_KINDS.items()),
+            f".. toctree::\n\n{listed}\n",
         ]
     )
+    return pages
 
 
 # ---- Sphinx ----
@@ -347,18 +267,49 @@ def write_pages(app: Sphinx) -> None:
     """Write all reference pages and remove those of names that are gone."""
     folder = Path(app.srcdir) / "reference"
     pages = {
-        folder / "api" / f"{path}.rst": page_of_package(importlib.import_module(path))
+        folder / "api" / f"{name}.rst": text
         for path in all_packages()
+        for name, text in pages_of_package(importlib.import_module(path)).items()
     }
     pages[folder / "api" / "index.rst"] = api_index()
     pages |= {folder / "commands" / f"{name}.rst": text for name, text in command_pages().items()}
     pages[folder / "study_keys.rst"] = page_of_keys()
-    pages[folder / "result_keys.rst"] = page_of_results()
+    pages |= {folder / f"{name}.rst": text for name, text in pages_of_results().items()}
     for path, text in pages.items():
         written(path, text)
     for old in [*folder.glob("api/*.rst"), *folder.glob("commands/*.rst")]:
         if old not in pages:
             old.unlink()
+
+
+class RaisedPowers(SphinxTransform):
+    """Sets powers and indices of running text as such; names and code stay."""
+
+    default_priority = 410
+    names = (
+        *(nodes.literal, nodes.literal_block, nodes.doctest_block, nodes.math, nodes.math_block),
+        *(nodes.raw, nodes.comment, nodes.strong, nodes.title, addnodes.desc_signature),
+        *(addnodes.pending_xref, addnodes.literal_strong, addnodes.index, nodes.reference),
+    )
+
+    def apply(self, **_: Any) -> None:
+        """Replace each text that has a power or an index."""
+        for text in list(self.document.findall(nodes.Text)):
+            parts = list(pieces(text.astext()))
+            node = text.parent
+            while len(parts) > 1 and node is not None and not isinstance(node, self.names):
+                node = node.parent
+            if len(parts) > 1 and node is None:
+                kinds = {"": nodes.Text, "sup": _superscript, "sub": _subscript}
+                text.parent.replace(text, [kinds[kind](part) for kind, part in parts if part])
+
+
+def _superscript(text: str) -> nodes.superscript:
+    return nodes.superscript("", text)
+
+
+def _subscript(text: str) -> nodes.subscript:
+    return nodes.subscript("", text)
 
 
 class LinkedNames(SphinxTransform):
@@ -391,10 +342,7 @@ def escape_docstring(
         literal = literal and (not line.strip() or line.startswith(" "))
         if not (example or literal):
             start, text = re.fullmatch(r"(\s*(?:\* |\*+(?=\w+$))?)(.*)", line).groups()  # type: ignore[union-attr]
-            lines[i] = start + "".join(
-                piece if i % 2 else re.sub(r"([*|])", r"\\\1", piece)
-                for i, piece in enumerate(re.split(r"(``.+?``|`.+?`)", text))
-            )
+            lines[i] = start + marked_up(text)
         literal = literal or line.endswith("::")
 
 
@@ -439,4 +387,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("build-finished", check_inventory)
     app.connect("html-page-context", level_captions, priority=900)  # after the theme
     app.add_transform(LinkedNames)
+    app.add_transform(RaisedPowers)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -13,6 +13,7 @@ import numpy as np
 import chromanoise as cn
 
 pitches_um = np.geomspace(0.8, 10, 21)
+color = cn.charts.sensor_lines(["onyx-rgb-ircut"])["onyx-rgb-ircut"]["color"]
 with cn.charts.chromanoise_style():
     figure, ax = plt.subplots(figsize=(7, 4.2), layout="constrained")
     for level_lux, dashes in ((10.0, "solid"), (1.0, (0, (6, 2))), (0.1, (0, (2, 1.2)))):
@@ -21,7 +22,7 @@ with cn.charts.chromanoise_style():
             pixel = {"pitch_um": pitch_um, "full_well_e": 100 * pitch_um**2, "read_noise_e": 2}
             seen = cn.analyze("onyx-rgb-ircut", lux=level_lux, time_ms=12, **pixel)
             snr_db.append(seen.color_snr_db()["onyx-rgb-ircut"]["Y"])
-        ax.plot(pitches_um, snr_db, color="black", linestyle=dashes)
+        ax.plot(pitches_um, snr_db, color=color, linestyle=dashes)
         ax.annotate(
             f"{level_lux:g} lx", (pitches_um[-1], snr_db[-1]), (4, -3), textcoords="offset points"
         )

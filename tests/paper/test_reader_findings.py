@@ -1,4 +1,4 @@
-"""The numbers of docs/findings.md and docs/readers.md on machine readers, from plain numpy.
+"""The numbers of docs/reader_findings.md and docs/readers.md on machine readers, from plain numpy.
 
 Electrons are those of the library; distances, medians and shares are computed here.
 """
@@ -17,7 +17,7 @@ from chromanoise.spectra import colorchecker
 from chromanoise.study import electrons_at
 
 DOCS = Path(__file__).parents[2] / "docs"
-FINDINGS = (DOCS / "findings.md").read_text(encoding="utf-8")
+FINDINGS = (DOCS / "reader_findings.md").read_text(encoding="utf-8")
 READERS = " ".join((DOCS / "readers.md").read_text(encoding="utf-8").split())
 SENTENCES = " ".join(FINDINGS.split())
 PLAIN = ("onyx-rgbw", "onyx-rgb", "model-rgb", "model-rgbw", "model-rgbwir", "model-rgbir")

@@ -6,6 +6,7 @@ import inspect
 import pkgutil
 import re
 import shlex
+import sys
 import textwrap
 import tomllib
 from pathlib import Path
@@ -80,7 +81,7 @@ def run_shell(block, done):
 
 def check_toml(block):
     data = tomllib.loads(block.text)
-    if "sensors" in data:
+    if "sensors" in data and "design" not in data:  # a script of the page reads a design
         cn.study_from_data(data)
 
 
@@ -197,11 +198,14 @@ def test_every_page_is_in_the_contents_of_the_site():
 def loaded(path):
     spec = importlib.util.spec_from_file_location(path.stem, path)
     module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module  # the next one imports it
     spec.loader.exec_module(module)
     return module
 
 
 site = loaded(ROOT / "docs/_ext/public_names.py")
+reference = loaded(ROOT / "docs/_ext/package_pages.py")
+powers = loaded(ROOT / "docs/_ext/powers.py")
 
 
 def test_every_package_with_public_names_is_in_the_reference():
@@ -295,3 +299,87 @@ def test_cross_references_name_public_things_only(path, public):
         if not leads_somewhere(name, owner, module, public)
     ]
     assert lost == []
+
+
+# ---- pages of the Python reference ----
+
+MOST_NAMES_OF_A_PAGE = 20  # about 12,000 pixels
+
+
+@pytest.fixture(scope="module")
+def reference_pages():
+    return {
+        name: text
+        for path in site.all_packages()
+        for name, text in reference.pages_of_package(importlib.import_module(path)).items()
+    }
+
+
+def test_each_public_name_has_one_entry_in_the_reference(reference_pages):
+    text = "\n".join(reference_pages.values())
+    entries = re.findall(r"^\.\. (?:autoclass|autofunction|py:data):: (?:.*\.)?(\w+)", text, re.M)
+    own = [
+        name
+        for path in site.all_packages()
+        for name, value in names_of(path)
+        if not inspect.ismodule(value) and site.home_of(value, name, path) is None
+    ]
+    assert sorted(entries) == sorted(own)
+
+
+def test_headings_of_the_reference_are_lines_of_their_own(reference_pages):
+    for name, text in reference_pages.items():
+        lines = ["", *text.splitlines(), ""]
+        rules = [i for i, line in enumerate(lines) if re.fullmatch(r"={3,}|-{3,}", line)]
+        assert rules, name
+        for i in rules:
+            assert len(lines[i]) == len(lines[i - 1]), lines[i - 1]
+            assert lines[i - 2] == lines[i + 1] == "", lines[i - 1]
+
+
+def test_no_page_of_the_reference_is_long(reference_pages):
+    for name, text in reference_pages.items():
+        entries = re.findall(r"^\.\. (?:autoclass|autofunction|py:data)::", text, re.M)
+        assert len(entries) <= MOST_NAMES_OF_A_PAGE, name
+
+
+@pytest.mark.parametrize("path", list(site.all_packages()))
+def test_a_summary_in_the_reference_is_a_whole_sentence(path):
+    module = importlib.import_module(path)
+    for name, value in names_of(path):
+        text = "" if inspect.ismodule(value) else reference.documentation(module, name)
+        first = reference.summary(text)
+        assert not re.search(r"\b(eq|eqs|Rec|Fig|vs|e\.g|i\.e)\.$", first), name
+        assert first.count("(") == first.count(")"), name
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("Color C M (eq. 5). More.", "Color C M (eq. 5)."),
+        ("The kernel of eq. 6.\n\nMore.", "The kernel of eq. 6."),
+        ("Linear sRGB (Rec. 709) of X. Then.", "Linear sRGB (Rec. 709) of X."),
+    ],
+)
+def test_a_summary_ends_at_the_first_sentence(text, shown):
+    assert reference.summary(text) == shown
+
+
+def test_stars_of_a_docstring_are_no_markup_outside_code():
+    assert reference.marked_up("a* of `x*` and ``y*``") == r"a\* of `x*` and ``y*``"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("C D C^T", "C D C{sup T}"),
+        ("(F^T F)^-1 M", "(F{sup T} F){sup −1} M"),
+        ("x^(1/gamma), |f|^2", "x{sup 1/gamma}, |f|{sup 2}"),
+        ("L^ = F", "L̂ = F"),
+        ("VIF_i = (G⁻¹)_ii, σ_read²", "VIF{sub i} = (G⁻¹){sub ii}, σ{sub read}²"),
+        ("read_noise_e, snr_y_db, d_m.x and onyx_rgbw", None),
+    ],
+)
+def test_powers_and_indices_of_running_text_are_raised_and_lowered(text, shown):
+    found = "".join(f"{{{kind} {part}}}" if kind else part for kind, part in powers.pieces(text))
+    assert found == (shown or text)

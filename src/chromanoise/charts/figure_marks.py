@@ -48,7 +48,6 @@ _LETTERS = 22  # of a line of the legend beside the axes
 _REMARK = 12  # letters of a line of a remark
 _HALF_WIDTH_NM = 12.0
 _GAP, _HEIGHT = 0.02, 0.075  # of the scale: under the letter, and of the letter
-_SHADES = (INK, *(channel_color(name) for name in "BRG"))
 _OUTLINE = unit_circle(48)
 _THOUSANDS = 1e4
 _BAR_ROWS = 0.62  # height of the bars of a row, in rows
@@ -230,19 +229,15 @@ def _curve(chart: Chart, one: Line) -> tuple[Float[Array, " k"], Float[Array, " 
 
 
 def line_style(chart: Chart, one: Line) -> dict[str, Any]:
-    """Color and dash of a curve.
+    """Color and dash of a curve: a color per sensor, and a dash per matrix.
 
-    Of up to three sensors a dash each, and a color per matrix; of more a color each, and a dash
-    per matrix. A channel has its own color.
+    A channel has its own color, and a dash per sensor of up to three.
     """
     names = chart.sensors
-    name, many = names[one.sensor], are_many(names)
-    dash = "solid" if many else sensor_dashes(names)[name]
     if one.channel:
+        dash = "solid" if are_many(names) else sensor_dashes(names)[names[one.sensor]]
         return {"color": channel_color(one.channel), "linestyle": dash}
-    if not many:
-        return {"color": _SHADES[one.matrix % len(_SHADES)], "linestyle": dash}
-    style = sensor_lines(names)[name]
+    style = sensor_lines(names)[names[one.sensor]]
     dashes = list(matrix_dashes(map(str, range(one.matrix + 1))).values())
     return style | ({"linestyle": dashes[one.matrix]} if one.matrix else {})
 

@@ -130,15 +130,14 @@ def sensor_dashes(names: Iterable[str]) -> dict[str, Any]:
 
 
 def are_many(names: Iterable[str]) -> bool:
-    """Whether sensors have a color each and a name at their curves: more than three."""
+    """Whether sensors have their names at their curves and not in a legend: more than three."""
     return len(set(names)) > _MOST_DASHED
 
 
 def sensor_lines(names: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Color and dash pattern of the line of each sensor of a figure, as arguments of ``plot``.
 
-    Up to three sensors have dash patterns, in ink. More have a color each; from the eleventh on,
-    the colors repeat with a dash pattern.
+    Each sensor has a color; from the eleventh on, the colors repeat with a dash pattern.
 
     Parameters
     ----------
@@ -148,23 +147,17 @@ def sensor_lines(names: Iterable[str]) -> dict[str, dict[str, Any]]:
     Examples
     --------
     >>> sensor_lines(["onyx-rgbw"])
-    {'onyx-rgbw': {'color': '#1B1F23', 'linestyle': 'solid'}}
+    {'onyx-rgbw': {'color': '#3F90DA', 'linestyle': 'solid'}}
     >>> len({line["color"] for line in sensor_lines("abcdefghij").values()})
     10
     """
-    distinct = list(dict.fromkeys(names))
-    if not are_many(distinct):
-        return {
-            name: {"color": INK, "linestyle": dashes}
-            for name, dashes in sensor_dashes(distinct).items()
-        }
     colors, patterns = [light for light, _ in palette.SENSORS], ("solid", *_OTHER_DASHES)
     return {
         name: {
             "color": colors[i % len(colors)],
             "linestyle": patterns[i // len(colors) % len(patterns)],
         }
-        for i, name in enumerate(distinct)
+        for i, name in enumerate(dict.fromkeys(names))
     }
 
 

@@ -128,13 +128,12 @@ def as_markdown(entries: Sequence[Entry]) -> str:
 
 
 def _rows(entries: Sequence[Entry]) -> list[tuple[str, ...]]:
-    """One row per entry; adjacent entries that differ only in name share a row."""
+    """One row per entry; the source of adjacent entries that share it is in the first row."""
     rows: list[tuple[str, ...]] = []
     for (nm, source, level, defects), same in groupby(entries, key=_shared):
-        group = list(same)
-        names = ", ".join(entry.provenance.name for entry in group)
-        whats = "; ".join(dict.fromkeys(entry.provenance.what for entry in group))
-        rows.append((names, whats, nm, level, f"{source}; {defects}"))
+        for i, about in enumerate(entry.provenance for entry in same):
+            told = "as above" if i else f"{source}; {defects}"
+            rows.append((about.name, about.what, nm, level, told))
     return rows
 
 

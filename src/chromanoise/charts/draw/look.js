@@ -50,14 +50,12 @@ const MOST_DASHED = 3;
 const COLORS = 10;
 
 /**
- * The line of each sensor: of up to three a dash in ink, of more a color; from the eleventh on, a
- * color again, dashed.
+ * The line of each sensor: a color each; from the eleventh on, a color again, dashed.
  *
  * @param {string[]} names
  * @returns {Line[]}
  */
 export function sensorLines(names) {
-  if (names.length <= MOST_DASHED) return sensorDashes(names).map((dash) => ({ dash, color: "var(--ink)" }));
   return names.map((_, i) => ({
     dash: DASHES[Math.floor(i / COLORS) % DASHES.length],
     color: `var(--sensor-${i % COLORS})`,
@@ -65,7 +63,7 @@ export function sensorLines(names) {
 }
 
 /**
- * Whether sensors are told apart by color, and named at their curves.
+ * Whether sensors are named at their curves and not in a legend.
  *
  * @param {string[]} names
  */

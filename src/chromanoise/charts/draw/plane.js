@@ -17,7 +17,6 @@ import { figure, figureWidth, html, known, line, svg, tenth, words } from "draw/
 /** @typedef {{ left: number, top: number, each: number, x: Scale, y: Scale, titleY: number }} View */
 /** @typedef {{ chart: Chart, styleOf: (one: Line) => Style, at: (index: number, row: number) => number | null }} Source */
 
-const STROKES = ["d-curve d-ink-line", "d-curve d-quiet-line", "d-curve d-third-line"];
 const LEFT = 44;
 const BOTTOM = 44;
 const NAME_GAP = 17;
@@ -44,8 +43,7 @@ export function draw(element, data, options = {}) {
 }
 
 /**
- * A chart with the look of its curves: of up to three sensors a dash each and a stroke per matrix;
- * of more a color each and a dash per matrix.
+ * A chart with the look of its curves: a color per sensor and a dash per matrix.
  *
  * @param {Chart} chart
  * @returns {Source}
@@ -60,7 +58,6 @@ function source(chart) {
     const { dash, color } = lines[sensor];
     const shape = sensors.length > 1 ? sensor : null;
     if (channel) return { dash: many ? "" : dash, look: "d-curve", color: channelColor(channel), shape: null };
-    if (!many) return { dash, look: STROKES[matrix % STROKES.length], color: null, shape };
     return { dash: matrix ? dashes[matrix] : dash, look: "d-curve", color, shape };
   };
   const at = (/** @type {number} */ index, /** @type {number} */ row) => {
