@@ -156,5 +156,30 @@ def test_the_first_small_picture_needs_no_compiler(tmp_path):
         [sys.executable, "-c", question], env=variables, capture_output=True, timeout=60
     )
     assert done.returncode == 0, done.stderr
-    (spent,) = tmp_path.glob("chromanoise/*/milliseconds-of-plain-pictures")
+    (spent,) = tmp_path.glob("chromanoise/*/milliseconds-of-plain-raw_rows-*")
     assert spent.stat().st_size > 0
+
+
+def test_a_kernel_of_another_data_type_is_compiled_when_its_plain_pictures_cost_as_much(
+    tmp_path, monkeypatch
+):
+    from chromanoise.imaging import fused_kernels
+
+    called = []
+    monkeypatch.setattr(fused_kernels, "color_rows", lambda: called.append("compiled"))
+    monkeypatch.setattr(plain, "color_rows", lambda: called.append("plain"))
+    monkeypatch.setattr(kernel_cache, "kernel_folder", lambda _: tmp_path)
+    monkeypatch.setattr(kernel_cache, "_ready", set())
+
+    def call(values, kind):
+        kernel_cache.kernel_of("fused_kernels", "color_rows", values, 31, kind)()
+
+    call(100, "float32")
+    call(10_000_000, "float32")
+    call(100, "float32")
+    kernel_cache._ready.clear()  # another process
+    call(100, "float32")
+    call(100, "float64")
+    (tmp_path / "milliseconds-of-plain-color_rows-float64").write_bytes(b"." * 10_000)
+    call(100, "float64")
+    assert called == ["plain", "compiled", "compiled", "compiled", "plain", "compiled"]

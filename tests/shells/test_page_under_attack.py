@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import math
 import os
 import pickle
 import random
@@ -321,6 +322,7 @@ def test_a_body_that_stops_coming_is_not_waited_for(monkeypatch):
 @pytest.fixture(scope="module")
 def workers():
     one = Workers(None)
+    one.begin()  # for tests that look at its processes before they ask
     yield one
     one.close()
     assert all(process.poll() is not None for process in one._nursery._started)
@@ -540,6 +542,21 @@ def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch,
     assert error is MemoryError or "No space left" in result[0]
     assert not written.read()  # the second question is left to another process
     assert not services._prepared
+
+
+def test_the_time_in_which_kernels_are_compiled_does_not_count(monkeypatch, tmp_path):
+    limits_s, now_s, services = [], iter([10.5, 11.0, 31.0]), Services(Kept())
+    monkeypatch.setattr(worker, "_set_cpu_limit", limits_s.append)
+    monkeypatch.setattr(worker.time, "process_time", lambda: next(now_s))
+    (tmp_path / "none").touch()
+    with (tmp_path / "none").open("rb") as reads, (tmp_path / "answers").open("wb") as writes:
+        one = worker._Answering(services, reads, writes, 10**9)
+        one._compiling(True)  # before a job: nothing limits it
+        one._compiling(False)
+        one._bound_cpu(25)
+        for is_begin in (True, True, False, False):  # one kernel calls another one
+            one._compiling(is_begin)
+    assert limits_s == [36.0, math.inf, 56.0]
 
 
 def test_an_error_outside_of_an_answer_is_written_out_with_an_exit_code(capfd):

@@ -73,7 +73,7 @@ if TYPE_CHECKING:
         product_sum,
         value_counts,
     )
-    from chromanoise.imaging.kernel_cache import inlined, inner, kernel
+    from chromanoise.imaging.kernel_cache import inlined, inner, kernel, watch_compiling
     from chromanoise.imaging.noise_draws import (
         ALIASES,
         LANES,

@@ -69,7 +69,9 @@ def inlined(function: Callable[..., Any]) -> Any:
     return njit(**_INNER, forceinline=True)(function)
 
 
-def kernel_of(module: str, name: str, values: int, bands: int = 0) -> Callable[..., Any]:
+def kernel_of(
+    module: str, name: str, values: int, bands: int = 0, kind: str = ""
+) -> Callable[..., Any]:
     """The compiled kernel; for a small picture its twin of `plain`, while nothing is compiled.
 
     Compiling takes as long as some ten small pictures. So nothing is compiled until pictures of
@@ -83,54 +85,55 @@ def kernel_of(module: str, name: str, values: int, bands: int = 0) -> Callable[.
         Number of values of the picture: pixels, or pixels times channels.
     bands
         Number of bands that are summed for each value.
+    kind
+        The data type for which the kernel is compiled, where it takes several.
     """
     seconds = values * (_VALUE_S + bands * _BAND_S)
-    compiled = f"{__package__}.{module}"
-    if seconds > _SMALL_S or _is_compiled(compiled, name) or _spent_s() + seconds > _COMPILING_S:
-        return getattr(import_module(compiled), name)
+    what = f"{name}-{kind}"
+    folder = kernel_folder(_PACKAGE)
+    ready = folder and folder / f"compiled-{what}"
+    spent = folder and folder / f"milliseconds-of-plain-{what}"
+    is_ready = what in _ready or (ready is not None and ready.exists())
+    if is_ready or seconds > _SMALL_S or _spent_s(spent, what) + seconds > _COMPILING_S:
+        kernel = getattr(import_module(f"{__package__}.{module}"), name)
+
+        def first(*arguments: Any) -> None:
+            kernel(*arguments)
+            _ready.add(what)
+            with suppress(OSError):
+                if ready:
+                    ready.touch()
+
+        return kernel if is_ready else first
     plain = getattr(import_module(f"{__package__}.plain"), name)
 
     def timed(*arguments: Any) -> None:
         began = time.thread_time()
         plain(*arguments)
-        _add_spent(time.thread_time() - began)
+        _add_spent(spent, what, time.thread_time() - began)
 
     return timed
 
 
 _VALUE_S, _BAND_S = 1e-6, 1e-8  # processor time of `plain` on a machine of 2020
 _SMALL_S, _COMPILING_S = 2.5, 10.0
-_spent: list[float] = []  # of this process, where no folder can be written
+_ready: set[str] = set()  # in this process
+_spent: dict[str, float] = {}  # of this process, where no folder can be written
 
 
-def _spent_file() -> Path | None:
-    folder = kernel_folder(_PACKAGE)
-    return folder and folder / "milliseconds-of-plain-pictures"
-
-
-def _spent_s() -> float:
+def _spent_s(file: Path | None, what: str) -> float:
     """Processor time of plain pictures so far: the file has a byte for each millisecond."""
-    file = _spent_file()
     with suppress(OSError):
-        return file.stat().st_size / 1e3 if file else sum(_spent)
+        return file.stat().st_size / 1e3 if file else _spent.get(what, 0.0)
     return 0.0
 
 
-def _add_spent(seconds: float) -> None:
-    _spent.append(seconds)
-    file = _spent_file()
+def _add_spent(file: Path | None, what: str, seconds: float) -> None:
+    _spent[what] = _spent.get(what, 0.0) + seconds
     with suppress(OSError):
         if file:
             with file.open("ab") as end:
                 end.write(b"." * round(1e3 * seconds))
-
-
-def _is_compiled(module: str, name: str) -> bool:
-    loaded = getattr(sys.modules.get(module), name, None)
-    if loaded is not None and loaded.signatures:
-        return True
-    folder = kernel_folder(_PACKAGE)
-    return folder is not None and any(folder.glob(f"*/{module.rpartition('.')[2]}.{name}-*.nbi"))
 
 
 _INNER = {
@@ -204,6 +207,17 @@ def _numba_version() -> bytes:
     return b"" if origin is None else Path(origin).with_name("_version.py").read_bytes()
 
 
+_watching: list[Callable[[bool], None]] = []
+
+
+def watch_compiling(told: Callable[[bool], None]) -> None:
+    """Call ``told(True)`` before a kernel is compiled, and ``told(False)`` after it.
+
+    A kernel that another one calls is compiled within that one.
+    """
+    _watching.append(told)
+
+
 @cache
 def _remove_on_compilation(folder: Path, package: Path) -> None:
     from numba.core import event
@@ -236,6 +250,8 @@ class _RemovalOnCompilation:
         source = event.data["dispatcher"].py_func.__code__.co_filename
         if Path(source).parent != self._package:
             return
+        for told in _watching:
+            told(not event.is_end)
         if not event.is_end:
             _say_that_kernels_are_compiled()
             return

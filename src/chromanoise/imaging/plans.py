@@ -317,10 +317,11 @@ def raw_block(
     if plan.shares is not None:
         return _coupled_raw_block(plan, plan.shares, start, stop, scratch, codes)
     height, width, bands = plan.light.source.shape
-    raw_rows = kernel_of("fused_kernels", "raw_rows", height * width, bands)
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
     def fill(stored: RowsInMemory) -> None:
+        kind = stored.flat.dtype.name
+        raw_rows = kernel_of("fused_kernels", "raw_rows", height * width, bands, kind)
         raw_rows(stored, plan.tile, start, plan.draw, plan.adc, codes, counts)
 
     counts[:, 2] = on_rows(plan.light, start, stop, scratch, counts, fill)[:, None]
@@ -428,11 +429,12 @@ def color_block(
         return _coupled_color_block(plan, plan.coupling, start, stop, scratch, xyz, srgb)
     height, width, bands = plan.light.source.shape
     values = height * width * plan.light.channels
-    color_rows = kernel_of("fused_kernels", "color_rows", values, bands)
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
     def fill(stored: RowsInMemory) -> None:
         table = srgb_table()
+        kind = stored.flat.dtype.name
+        color_rows = kernel_of("fused_kernels", "color_rows", values, bands, kind)
         color_rows(stored, start, plan.draw, plan.well, plan.matrices, table, xyz, srgb, counts)
 
     counts[:, 2] = on_rows(plan.light, start, stop, scratch, counts, fill)[:, None]

@@ -21,6 +21,7 @@ from typing import Any, BinaryIO
 
 from chromanoise.base import InputError, exit_after, held_bytes, stopped_after
 from chromanoise.charts import EXPLANATIONS, explanation_as_json
+from chromanoise.imaging import watch_compiling
 from chromanoise.imaging.denoising import DENOISING
 from chromanoise.study import ExposurePart, LightPart, study_from_data
 from chromanoise.web.answers import ChartReplies, card_reply, report_reply
@@ -242,6 +243,8 @@ class _Answering:
         self, services: Services, reads: BinaryIO, writes: BinaryIO, bound: int | None
     ) -> None:
         self._services, self._reads, self._writes, self._bound = services, reads, writes, bound
+        self._limit_s, self._kernels, self._began_s = math.inf, 0, 0.0
+        watch_compiling(self._compiling)
 
     def serve(self) -> None:
         while (asked := self._asked()) is not None:
@@ -260,10 +263,20 @@ class _Answering:
     def _bound_cpu(self, cpu_s: int) -> None:
         """Limit the CPU time of this process and of those that it starts from now on."""
         if self._bound is not None:
-            import resource
+            self._limit_s = math.ceil(time.process_time()) + cpu_s
+            _set_cpu_limit(self._limit_s)
 
-            limit = math.ceil(time.process_time()) + cpu_s
-            resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+    def _compiling(self, is_begin: bool) -> None:
+        """Time in which a kernel is compiled does not count: the next job finds it compiled."""
+        if math.isinf(self._limit_s):
+            return
+        if is_begin and self._kernels == 0:
+            self._began_s = time.process_time()
+            _set_cpu_limit(math.inf)
+        self._kernels += 1 if is_begin else -1
+        if self._kernels == 0:
+            self._limit_s += time.process_time() - self._began_s
+            _set_cpu_limit(self._limit_s)
 
     def _is_spent(self, cpu_s: int) -> bool:
         """Whether a new process should replace it: its child processes inherit its CPU time."""
@@ -281,6 +294,13 @@ class _Answering:
         with contextlib.suppress(OSError):  # the server has ended; the next read finds out
             pickle.dump(what, self._writes)
             self._writes.flush()
+
+
+def _set_cpu_limit(seconds: float) -> None:
+    import resource
+
+    limit = resource.RLIM_INFINITY if math.isinf(seconds) else math.ceil(seconds)
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
 
 
 def answered(
