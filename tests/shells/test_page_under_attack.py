@@ -322,7 +322,6 @@ def test_a_body_that_stops_coming_is_not_waited_for(monkeypatch):
 @pytest.fixture(scope="module")
 def workers():
     one = Workers(None)
-    one.begin()  # for tests that look at its processes before they ask
     yield one
     one.close()
     assert all(process.poll() is not None for process in one._nursery._started)
@@ -493,6 +492,7 @@ def test_the_signal_that_ended_a_process_is_reported(workers, stop, code):
 
 
 def test_a_process_that_does_not_begin_is_ended(workers, monkeypatch):
+    workers._nursery.worker(LANE.memory_bytes).close()  # now there is one that forks
     monkeypatch.setattr(processes, "BEGINS_S", 0.5)
     before = set(children_of(workers))
     one = workers._nursery.worker(LANE.memory_bytes)
