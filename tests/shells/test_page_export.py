@@ -375,7 +375,7 @@ def test_no_file_of_a_study_is_written_by_its_report(tmp_path, monkeypatch):
     empty = folder_of(tmp_path, monkeypatch, files)
     sensors = [{"name": "onyx-rgbw", "pixel": {"file": "study.toml"}}, {"name": "../a.csv"}]
     studies = Studies(Kept(), files=frozenset(files))
-    html = report_reply(studies, {"study": {"sensors": sensors}}, empty)
+    html, _ = report_reply(studies, {"study": {"sensors": sensors}}, empty)
     assert "../a.csv" in html
     assert (tmp_path / "served" / "here" / "study.toml").read_text() == pixel
     assert {one.name for one in tmp_path.iterdir()} == {"served", "empty"}

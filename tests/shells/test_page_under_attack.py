@@ -544,7 +544,7 @@ def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch,
     assert not services._prepared
 
 
-def test_the_time_in_which_kernels_are_compiled_does_not_count(monkeypatch, tmp_path):
+def test_cpu_time_in_which_kernels_are_compiled_does_not_count(monkeypatch, tmp_path):
     limits_s, now_s, services = [], iter([10.5, 11.0, 31.0]), Services(Kept())
     monkeypatch.setattr(worker, "_set_cpu_limit", limits_s.append)
     monkeypatch.setattr(worker.time, "process_time", lambda: next(now_s))
@@ -556,7 +556,7 @@ def test_the_time_in_which_kernels_are_compiled_does_not_count(monkeypatch, tmp_
         one._bound_cpu(25)
         for is_begin in (True, True, False, False):  # one kernel calls another one
             one._compiling(is_begin)
-    assert limits_s == [36.0, math.inf, 56.0]
+    assert limits_s == [35.5, math.inf, 55.5]
 
 
 def test_an_error_outside_of_an_answer_is_written_out_with_an_exit_code(capfd):

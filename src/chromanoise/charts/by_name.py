@@ -103,9 +103,9 @@ SECTIONS: tuple[Section, ...] = (
     Section(
         part="pareto",
         heading="Color error against visual noise",
-        shows="What the sensor can achieve: each point is a color matrix with another weight of "
-        "the noise, and of the channels that help. Sensors are compared where their color errors "
-        "are equal.",
+        shows="What the sensor can achieve: each point is a color matrix. The weight of the noise "
+        "changes along the curve, and channels that do not help are left out. Sensors are compared "
+        "where their color errors are equal.",
         explanations=("pareto",),
     ),
     Section(

@@ -74,8 +74,8 @@ def drawn_pareto(shown: Shown, look: Look) -> Chart:
 
 def _note(matrix: str) -> str:
     return (
-        f"Large mark: current matrix ({matrix}). Matrices of the curve know the noise; they are "
-        "trained on the prior, not on this chart."
+        f"Large mark: current matrix ({matrix}). The matrices of the curve are trained on the "
+        "prior, with the noise of this exposure, not on this chart."
     )
 
 
@@ -204,8 +204,9 @@ def _description(
 
 
 def _in_words(row: Sequence[Any], labels: tuple[str, str]) -> str:
-    (what, unit), (error, _) = (label.rstrip("]").split(" [") for label in labels)
-    return f"{what} {decimal(row[3])} {unit} at {error} {decimal(row[2])}"
+    (what, unit), (error, its) = (label.rstrip("]").split(" [") for label in labels)
+    error = error.removesuffix(", mean")
+    return f"{what} {decimal(row[3])} {unit} at a mean {error} of {decimal(row[2])} {its}"
 
 
 def _weight(value: float | str) -> str:

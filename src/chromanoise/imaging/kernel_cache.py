@@ -75,7 +75,8 @@ def kernel_of(
     """The compiled kernel; for a small picture its twin of `plain`, while nothing is compiled.
 
     Compiling takes as long as some ten small pictures. So nothing is compiled until pictures of
-    plain numpy have cost as much, in this process and those before it.
+    plain numpy have cost as much, in this process and those before it. On another processor with
+    the same folder a kernel is compiled again, at once.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ def kernel_of(
         The data type for which the kernel is compiled, where it takes several.
     """
     seconds = values * (_VALUE_S + bands * _BAND_S)
-    what = f"{name}-{kind}"
+    what = "-".join(filter(None, (name, kind)))
     folder = kernel_folder(_PACKAGE)
     ready = folder and folder / f"compiled-{what}"
     spent = folder and folder / f"milliseconds-of-plain-{what}"
@@ -97,14 +98,16 @@ def kernel_of(
     if is_ready or seconds > _SMALL_S or _spent_s(spent, what) + seconds > _COMPILING_S:
         kernel = getattr(import_module(f"{__package__}.{module}"), name)
 
-        def first(*arguments: Any) -> None:
+        def compiling(*arguments: Any) -> None:
             kernel(*arguments)
             _ready.add(what)
             with suppress(OSError):
                 if ready:
                     ready.touch()
 
-        return kernel if is_ready else first
+        if is_ready:
+            _ready.add(what)
+        return kernel if is_ready else compiling
     plain = getattr(import_module(f"{__package__}.plain"), name)
 
     def timed(*arguments: Any) -> None:
@@ -229,7 +232,7 @@ def _remove_on_compilation(folder: Path, package: Path) -> None:
 @cache
 def _say_that_kernels_are_compiled() -> None:
     print(
-        "Compiling numerical code for this processor, only once: about 10 to 20 s ...",
+        "Compiling numerical code for this processor, only once: up to a minute ...",
         file=sys.stderr,
         flush=True,
     )

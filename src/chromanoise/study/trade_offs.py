@@ -463,7 +463,7 @@ def trade_off(
     return _trade_off(point, prior, viewing or Viewing())
 
 
-@lru_cache(maxsize=64)  # verdict and chart ask for the same ones
+@lru_cache(maxsize=16)  # by identity: verdict and chart of one answer ask for the same ones
 def _trade_off(point: OperatingPoint, prior: str | Spectra, viewing: Viewing) -> TradeOff | LeftOut:
     (found,) = _along_light(point, (point.level_lux,), prior, viewing, _PER_DECADE)
     if isinstance(found, TradeOff) and _tells_colors(found):
@@ -748,7 +748,7 @@ def _again_db(trades: Sequence[TradeOff], order: Array, prior: str | Spectra) ->
     other = _on_grid(_SECOND_PRIOR, trades[0].point.sensor.grid)
     second = "chart" if own == other else other
     again = [trade_off(one.point, prior=second, viewing=one.viewing) for one in trades]
-    able = [
+    able = [  # one that has no trade-off with it keeps its own
         two if isinstance(two, TradeOff) else one for one, two in zip(trades, again, strict=True)
     ]
     noise = _noises_at_least_error(able)

@@ -217,7 +217,7 @@ def _wanted(question: Mapping[str, Any]) -> list[str]:
     return list(dict.fromkeys(wanted))
 
 
-def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) -> str:
+def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) -> tuple[str, str]:
     """The HTML of ``/api/report``: that of the copied study in a folder with its files.
 
     Parameters
@@ -234,9 +234,10 @@ def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) ->
     """
 
     def report(of: Shown) -> str:
-        return study_report(of, sights_of(of, work=Work(threads=1)))
+        work = Work(threads=1)
+        return study_report(of, sights_of(of, work=work), work=work)
 
-    return _made_in(folder, studies, question, report)[0]
+    return _made_in(studies, question, folder, report)
 
 
 def card_reply(studies: Studies, question: Mapping[str, Any], folder: Path) -> tuple[bytes, str]:
@@ -256,11 +257,11 @@ def card_reply(studies: Studies, question: Mapping[str, Any], folder: Path) -> t
     def card(of: Shown) -> bytes:
         return card_of(of, work=Work(threads=1)).content("pdf")
 
-    return _made_in(folder, studies, question, card)
+    return _made_in(studies, question, folder, card)
 
 
 def _made_in(
-    folder: Path, studies: Studies, question: Mapping[str, Any], make: Callable[[Shown], T]
+    studies: Studies, question: Mapping[str, Any], folder: Path, make: Callable[[Shown], T]
 ) -> tuple[T, str]:
     """A file of the copied study in a folder with its files, and the hash of the study."""
     study, used = studies.read(field(question, "study", dict, {}))

@@ -59,6 +59,8 @@ class Worker:
     ----------
     is_spent
         Whether it ended, failed or keeps much memory: another one takes its place.
+    has_begun
+        Whether it computes a job that it has prepared.
 
     Parameters
     ----------
@@ -80,9 +82,11 @@ class Worker:
     ) -> None:
         self._reads, self._writes = reads, writes
         self._interrupt, self._ended = interrupt, ended
-        self.is_spent = False
+        self.is_spent = self.has_begun = False
 
-    def asked(self, job: tuple[Any, ...]) -> tuple[Any, ...]:
+    def asked(
+        self, job: tuple[Any, ...], is_wanted: Callable[[], bool] = lambda: True
+    ) -> tuple[Any, ...]:
         """How a job ended, and what it returned.
 
         Parameters
@@ -90,6 +94,8 @@ class Worker:
         job
             Its name, the files that it may name, its arguments, and its limits of CPU time and of
             elapsed time [s].
+        is_wanted
+            Whether anybody still waits for the answer when the job is prepared.
 
         Raises
         ------
@@ -97,21 +103,25 @@ class Worker:
             If the process ended.
         """
         self.is_spent = True  # until a whole answer has been read
-        start, has_begun = time.monotonic(), False
+        start, self.has_begun = time.monotonic(), False
         timer = threading.Timer(BEGINS_S, self.interrupt)
         timer.daemon = True
         timer.start()
         try:
             pickle.dump(job, self._writes)
             self._writes.flush()
-            has_begun = pickle.load(self._reads) == "begins"
+            self.has_begun = pickle.load(self._reads) == "begins"
             timer.cancel()
+            if not is_wanted():
+                self.interrupt()
             start = time.monotonic()
             answer, self.is_spent = pickle.load(self._reads)
             return answer
         except (OSError, EOFError, ValueError, pickle.UnpicklingError):
             seconds = time.monotonic() - start
-            raise ProcessEndedError(seconds, has_begun=has_begun, exit_code=self.close()) from None
+            raise ProcessEndedError(
+                seconds, has_begun=self.has_begun, exit_code=self.close()
+            ) from None
         finally:
             timer.cancel()
             if self.is_spent:
@@ -404,7 +414,8 @@ class _Queue:
         try:
             worker = self._ready(worker)
             turn.begin(worker)
-            return _result(worker.asked((name, *asked, job.cpu_s, job.limit_s)), job, self._lane)
+            given = (name, *asked, job.cpu_s, job.limit_s)
+            return _result(worker.asked(given, turn.is_wanted), job, self._lane)
         except ProcessEndedError as ended:
             raise _stopped(job, ended, self._lane) from None
         finally:
@@ -428,6 +439,7 @@ class _Turn:
     def __init__(self) -> None:
         self._worker: Worker | None = None
         self._lock = threading.Lock()
+        self._is_abandoned = False
 
     def begin(self, worker: Worker) -> None:
         with self._lock:
@@ -437,10 +449,15 @@ class _Turn:
         with self._lock:
             self._worker = None
 
+    def is_wanted(self) -> bool:
+        """Whether nobody has called `stop`."""
+        return not self._is_abandoned
+
     def stop(self) -> None:
-        """End the worker, if it still computes the job."""
+        """End the worker, if it still computes the job; what it prepares, the next job uses."""
         with self._lock:
-            if self._worker is not None:
+            self._is_abandoned = True
+            if self._worker is not None and self._worker.has_begun:
                 self._worker.interrupt()
 
 
@@ -464,9 +481,10 @@ def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
 
 
 def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
-    code = ended.exit_code
+    code, status = ended.exit_code, 200
     if not ended.has_begun and ended.seconds >= BEGINS_S:
-        sentence = f"the computation did not start within {BEGINS_S:g} s; send the request again"
+        sentence = f"the computation did not start within {BEGINS_S / 60:g} minutes"
+        sentence, status = f"{sentence}; repeat the request", 503
     elif code in _TOO_LONG or (code is None and ended.seconds >= min(job.cpu_s, job.limit_s)):
         sentence = f"this takes longer than {job.cpu_s} s and was stopped; ask for less"
     elif code == sandbox.NO_MEMORY:
@@ -476,7 +494,7 @@ def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
     else:
         _LOG.error("a process that computes ended with exit code %s", code)
         sentence = "the process that computed this failed; the log of the server has the reason"
-    return QuestionError((job.where, sentence))
+    return QuestionError((job.where, sentence), status=status)
 
 
 def _no_memory(lane: Lane) -> str:

@@ -299,13 +299,15 @@ def slide_as_json(
     }
 
 
-def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
+def study_report(of: Shown, sights: Sequence[Sight] = (), *, work: Work | None = None) -> str:
     """The report as self-contained HTML, without network access.
 
     Parameters
     ----------
     sights
         Its pictures, of ``report_of_study``.
+    work
+        Threads of the pictures of its card.
 
     Raises
     ------
@@ -325,7 +327,7 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
             title=of.study.title or _names(of),
             names=_names(of),
             head=full["head"],
-            card=_card(of),
+            card=_card(of, work),
             light=of.study.light,
             sections=sections,
             contents=_contents(sections, sweeps, machine),
@@ -353,11 +355,11 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
     )
 
 
-def _card(of: Shown) -> str:
-    """The address of the card, for a sheet of A4 across; empty for more sensors than it holds."""
+def _card(of: Shown, work: Work | None) -> str:
+    """The card as a data URL, A4 landscape; empty if there are more sensors than it holds."""
     if len(of.operating_points) > MOST_ON_CARD:
         return ""
-    return data_address(card_of(of, paper="a4").content("svg"), "image/svg+xml")
+    return data_address(card_of(of, paper="a4", work=work).content("svg"), "image/svg+xml")
 
 
 def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]:

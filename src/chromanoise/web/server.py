@@ -249,21 +249,20 @@ _ATTACHED = {"Content-Disposition": "attachment"}
 
 
 async def _report(request: Request, server: _Server) -> Response:
-    html = await _in_folder(request, server, "report")
-    return Response(html, media_type="text/html", headers=_ATTACHED)
+    return await _in_folder(request, server, "report", "text/html")
 
 
 async def _card(request: Request, server: _Server) -> Response:
-    pdf, hashed = await _in_folder(request, server, "card")
-    headers = _ATTACHED | {"X-Chromanoise-Hash": hashed}
-    return Response(pdf, media_type="application/pdf", headers=headers)
+    return await _in_folder(request, server, "card", "application/pdf")
 
 
-async def _in_folder(request: Request, server: _Server, name: str) -> Any:
-    """What a job makes of a study in a folder for the files of the study."""
+async def _in_folder(request: Request, server: _Server, name: str, kind: str) -> Response:
+    """The file that a job makes of a study in a folder for the files of the study."""
     question = await question_of(request, server.bodies)
     with server.uploads.empty_folder() as folder:
-        return await server.done(request, name, question, folder)
+        content, hashed = await server.done(request, name, question, folder)
+    headers = _ATTACHED | {"X-Chromanoise-Hash": hashed}
+    return Response(content, media_type=kind, headers=headers)
 
 
 async def _picture(request: Request, server: _Server) -> Response:

@@ -88,12 +88,12 @@ class Services:
         """The CSV of ``/api/csv``."""
         return self._answers.csv(data_of(body))
 
-    def report(self, body: bytes, folder: Path) -> str:
-        """The HTML of ``/api/report``; ``folder`` is empty, for the files of the study."""
+    def report(self, body: bytes, folder: Path) -> tuple[str, str]:
+        """The HTML of ``/api/report`` and the hash of its study; its files go into ``folder``."""
         return report_reply(self._studies, data_of(body), folder)
 
     def card(self, body: bytes, folder: Path) -> tuple[bytes, str]:
-        """The PDF of ``/api/card``, and the hash of its study; ``folder`` as for `report`."""
+        """The PDF of ``/api/card``, as `report`."""
         return card_reply(self._studies, data_of(body), folder)
 
     def texts(self, body: bytes) -> str:
@@ -118,14 +118,15 @@ class Services:
         Parameters
         ----------
         name, given
-            One of its methods, and the arguments. The first picture after an installation compiles
-            kernels for half a minute, and the first one of each denoising method its own.
+            One of its methods, and the arguments. Some pictures compile kernels, which takes up to
+            minutes on a busy machine.
         """
         if name == "picture":
             methods = (None, *_denoising_of(given[0])[:1])
         elif name == "report":
-            denoising = _denoising_of(given[0])
-            methods = (None, *denoising) if denoising else ()
+            methods = (None, *_denoising_of(given[0]))  # it begins with a card, which has pictures
+        elif name == "card":
+            methods = (None,)
         else:
             return
         for method in methods:
@@ -249,6 +250,7 @@ class _Answering:
     def serve(self) -> None:
         while (asked := self._asked()) is not None:
             name, kept, given, cpu_s, limit_s = asked
+            self._bound_cpu(math.inf)  # preparing is not limited
             answer = answered(self._services, "prepare", kept, (name, *given))
             self._tell("begins")
             if answer[0] == "done":
@@ -260,14 +262,14 @@ class _Answering:
             if is_spent:
                 return
 
-    def _bound_cpu(self, cpu_s: int) -> None:
+    def _bound_cpu(self, cpu_s: float) -> None:
         """Limit the CPU time of this process and of those that it starts from now on."""
         if self._bound is not None:
-            self._limit_s = math.ceil(time.process_time()) + cpu_s
+            self._limit_s = time.process_time() + cpu_s
             _set_cpu_limit(self._limit_s)
 
     def _compiling(self, is_begin: bool) -> None:
-        """Time in which a kernel is compiled does not count: the next job finds it compiled."""
+        """CPU time in which a kernel is compiled does not count; elapsed time does."""
         if math.isinf(self._limit_s):
             return
         if is_begin and self._kernels == 0:

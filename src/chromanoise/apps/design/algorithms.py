@@ -22,7 +22,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from chromanoise.apps.design.front import (
-    MOST_MEASURED,
+    MOST_WITHOUT_PYMOO,
     Evaluated,
     Problem,
     checked_evaluation,
@@ -583,15 +583,6 @@ def refuse_method(problem: Problem, method: str) -> None:
         problem has too few parameters for it.
     """
     chosen, count = METHODS[method], len(problem.objectives)
-    package = "pymoo" if count > MOST_MEASURED else chosen.package
-    if package:
-        refuse_absent_package(
-            package,
-            "method",
-            extra="design",
-            value=method,
-            otherwise=("use de for one objective", "use nsga2 for two"),
-        )
     if count > 1 and not chosen.of_several:
         raise InputError(
             "method",
@@ -599,6 +590,15 @@ def refuse_method(problem: Problem, method: str) -> None:
             value=method,
             found=f"is {method}, which takes one objective, and the design has {count}",
             remedy=(f"use {OF_SEVERAL[0]}", "make all objectives but one constraints"),
+        )
+    package = "pymoo" if count > MOST_WITHOUT_PYMOO else chosen.package
+    if package:
+        refuse_absent_package(
+            package,
+            "method",
+            extra="design",
+            value=method,
+            otherwise=("use de for one objective", "use nsga2 for two objectives"),
         )
     if len(problem.names) < chosen.least_parameters:
         raise InputError(

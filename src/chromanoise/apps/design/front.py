@@ -314,7 +314,7 @@ def scaled(costs: Float[Array, "m q"]) -> Float[Array, "m q"]:
     return (costs - low) / np.where(high > low, high - low, 1.0)
 
 
-MOST_MEASURED = 2
+MOST_WITHOUT_PYMOO = 2
 """Most objectives whose `hypervolume` needs no optional package."""
 
 
@@ -338,6 +338,8 @@ def hypervolume(
     --------
     >>> round(hypervolume(np.array([[0.0, 0.5], [0.5, 0.0]]), np.zeros(2), np.ones(2)), 12)
     0.75
+    >>> hypervolume(np.array([[0.5], [0.25]]), np.zeros(1), np.ones(1))
+    0.75
     """
     span = np.where(reference > best, reference - best, 1.0)
     share = np.maximum((costs - best) / span, 0.0)
@@ -345,7 +347,9 @@ def hypervolume(
     if not len(share):
         return 0.0
     share = share[non_dominated(share)]
-    if share.shape[1] <= MOST_MEASURED:
+    if share.shape[1] == 1:
+        return float(1.0 - share.min())
+    if share.shape[1] <= MOST_WITHOUT_PYMOO:
         first, second = share[np.argsort(share[:, 0])].T
         return float(np.sum(np.diff(np.append(first, 1.0)) * (1.0 - second)))
     from pymoo.indicators.hv import Hypervolume

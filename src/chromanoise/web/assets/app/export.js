@@ -37,8 +37,6 @@ const WHOLE = [
   { name: "report", ending: "html", title: "All charts in one HTML file" },
   { name: "card", ending: "pdf", title: "One sheet that compares up to five sensors, as PDF" },
 ];
-/** Of a report, with the hash of its study. */
-const HEAD_BYTES = 500;
 
 /** @param {typeof WHOLE[number]} whole */
 function wholeButton({ name, ending, title }) {
@@ -51,9 +49,8 @@ function wholeButton({ name, ending, title }) {
     try {
       const [file, { download }] = await Promise.all([fileOf(name, {}), import("draw/export.js")]);
       const content = await file.blob();
-      // the page may show another study by now
-      const hash = file.headers.get("X-Chromanoise-Hash") ?? /data-hash="(\w+)"/.exec(await content.slice(0, HEAD_BYTES).text())?.[1];
-      download(content, name, ending, hash);
+      // of its study: the page may show another one by now
+      download(content, name, ending, file.headers.get("X-Chromanoise-Hash") ?? undefined);
       tell(said, `The ${name} was saved.`);
     } catch (error) {
       tell(said, error instanceof TypeError ? "The server does not answer, so nothing was saved." : /** @type {Error} */ (error).message);

@@ -25,9 +25,7 @@ const SLOW_MS = 2000;
 const AGAIN_MS = 1000;
 const MAKING = "The picture is being made.";
 const FIRST =
-  "The first one after an installation takes longer: numerical code is compiled once for this processor, about a minute.";
-/** In the fault of a process that the server ended before it computed. */
-const NOT_STARTED = "did not start";
+  "If numerical code must be compiled for this processor, this takes about a minute, once.";
 
 /**
  * Fills the panel; gives `later(state)`, which fetches once nothing has moved for a while.
@@ -181,7 +179,7 @@ class View {
    * @returns {Promise<void>}
    */
   async #fetch(study, again = true) {
-    if (!this.#visible && document.querySelector(BUSY)) return this.later({ study });
+    if (again && !this.#visible && document.querySelector(BUSY)) return this.later({ study });
     this.#abort = new AbortController();
     const { signal } = this.#abort;
     // what was asked for, not what the choices say once it has come
@@ -283,7 +281,7 @@ class View {
  * @param {unknown} error
  */
 function isPassing(error) {
-  return !(error instanceof Refused) || error.message.includes(NOT_STARTED);
+  return !(error instanceof Refused);
 }
 
 const ITS_NOISE = "It uses the noise variance of this exposure.";

@@ -9,7 +9,7 @@ import { current, showState, subscribe } from "app/state.js";
 /** Charts above a panel grow while they come, so its place is looked at again after these times. */
 const SETTLING_MS = [600, 1400, 2600];
 const END =
-  "This is the last step. After the tour, replace a sensor by another one of the catalog or by a file of your own, and compare.";
+  "This is the last step. After the tour, replace a sensor with another one from the catalog or with your own file, and compare.";
 const LOST = "The tour cannot be loaded; is chromanoise serve still running?";
 
 /**
