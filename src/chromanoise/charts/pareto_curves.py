@@ -67,15 +67,11 @@ def drawn_pareto(shown: Shown, look: Look) -> Chart:
             f"{conditions(shown.operating_points)}{unclipped_remark(shown)}"
         ),
         better="\u2199",
-        notes=(_note(matrix), *why),
+        notes=(
+            f"Large mark: current matrix ({matrix}). Curves: matrices trained on the prior.",
+            *why,
+        ),
         why_not=tuple(why),
-    )
-
-
-def _note(matrix: str) -> str:
-    return (
-        f"Large mark: current matrix ({matrix}). The matrices of the curve are trained on the "
-        "prior, with the noise of this exposure, not on this chart."
     )
 
 

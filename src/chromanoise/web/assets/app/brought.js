@@ -7,6 +7,7 @@ import { matricesOf } from "app/matrix.js";
 import { most, setAt } from "app/paths.js";
 import { setCube } from "app/scene.js";
 import { exchange } from "app/sensors.js";
+import { setSheet } from "app/sheet.js";
 import { changeStudy, current, replaceStudy } from "app/state.js";
 import { remember, shownName } from "app/uploads.js";
 
@@ -69,6 +70,7 @@ async function showBroughtFront(report, name, { front, preview = [] }) {
   const { showFront } = await import("app/front.js");
   const lines = preview.slice(0, 1).map((text) => el("li", { text }));
   report.replaceChildren(el("p", { class: "strong", text: `${name}: ${KINDS.front}` }), el("ul", { class: "notes" }, ...lines));
+  setSheet(false); // it would stand over the front
   showFront(front).scrollIntoView({ block: "start" });
 }
 

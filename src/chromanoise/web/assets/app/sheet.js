@@ -12,6 +12,16 @@ export function narrowButtons() {
 }
 
 /**
+ * Opens or closes the sheet, where the window is so narrow that there is one.
+ *
+ * @param {boolean} open
+ */
+export function setSheet(open) {
+  const sheet = byId("sheet");
+  if (sheet.checkVisibility() && sheet.getAttribute("aria-expanded") !== String(open)) sheet.click();
+}
+
+/**
  * @param {HTMLElement} button
  * @param {() => void} [opened]
  */

@@ -1,7 +1,8 @@
 /** Bring your own: a file of any kind, dropped anywhere or chosen. */
 
 import { Refused, sent, understood, UNHEARD } from "app/ask.js";
-import { byId, el } from "app/dom.js";
+import { el } from "app/dom.js";
+import { setSheet } from "app/sheet.js";
 
 const LARGEST = 12e6;
 const KINDS = "Spectrum, sensor, pixel, crosstalk, color matrix, study, cube or front of a design; it stays on this computer.";
@@ -25,9 +26,7 @@ export function uploads(place) {
   place.replaceChildren(field, label, el("p", { class: "unseen", id: "file-kinds", text: KINDS }), report);
   document.body.dataset.kinds = KINDS;
   dropAnywhere((file) => {
-    // in a narrow window the report is in the sheet
-    const sheet = byId("sheet");
-    if (sheet.checkVisibility() && sheet.getAttribute("aria-expanded") === "false") sheet.click();
+    setSheet(true); // the report is there
     bring(file, report);
   });
 }
