@@ -1,14 +1,17 @@
 """``chromanoise serve``."""
 
 import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
 
 import click
 
 from chromanoise.base import InputError
 from chromanoise.cli.options import command
+
+if TYPE_CHECKING:
+    from uvicorn import Server
 
 
 @command()
@@ -53,25 +56,26 @@ def serve(study: Path | None, port: int, front: Path | None, opened: bool) -> No
     if opened:
         click.launch(address)
     try:
-        with _ignored_stays_ignored():
-            page_server(listening, study=data, front=front).run(sockets=[listening])
+        server = page_server(listening, study=data, front=front)
+        _keep_ignored(server)
+        server.run(sockets=[listening])
     except KeyboardInterrupt:
         pass  # Ctrl-C is the normal end
     finally:
         listening.close()
 
 
-@contextmanager
-def _ignored_stays_ignored() -> Iterator[None]:
+def _keep_ignored(server: "Server") -> None:
     """Keep SIGINT ignored if it was: a shell ignores it for commands in the background."""
-    if not hasattr(signal, "pthread_sigmask") or signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
-        yield
+    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    ends = server.handle_exit
+
+    def without_sigint(number: int, frame: FrameType | None) -> None:
+        if number != signal.SIGINT:
+            ends(number, frame)
+
+    server.handle_exit = without_sigint  # type: ignore[assignment]
 
 
 def _study(path: Path | None) -> dict[str, object] | None:
