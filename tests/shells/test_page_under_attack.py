@@ -389,7 +389,7 @@ def test_a_question_that_would_wait_too_long_gets_status_503(workers, monkeypatc
 def test_jobs_of_clients_that_left_are_not_computed(workers, monkeypatch):
     asked, ask = [], processes.Worker.asked
     monkeypatch.setattr(
-        processes.Worker, "asked", lambda one, job: asked.append(job) or ask(one, job)
+        processes.Worker, "asked", lambda one, *given: asked.append(given) or ask(one, *given)
     )
     monkeypatch.setattr(processes, "ABANDONED_S", 0.0)
 
@@ -404,6 +404,31 @@ def test_jobs_of_clients_that_left_are_not_computed(workers, monkeypatch):
     assert "onyx-rgb" in json.loads(asyncio.run(abandoned()))["toml"]
     assert len(asked) <= LANE.workers + 1
     assert workers._lanes["questions"]._waiting == 0
+
+
+def test_a_job_that_its_client_left_ends_when_it_is_prepared_and_not_before():
+    turn, interrupted = processes._Turn(), []
+    one = processes.Worker(
+        BytesIO(), BytesIO(), interrupt=lambda: interrupted.append(1), ended=lambda: None
+    )
+    turn.begin(one)
+    turn.stop()
+    assert not interrupted
+    assert not turn.is_wanted()
+    one.has_begun = True
+    turn.stop()
+    assert interrupted
+
+
+def test_an_unwanted_job_is_ended_when_it_begins():
+    begins, interrupted = BytesIO(pickle.dumps("begins")), []
+    one = processes.Worker(
+        begins, BytesIO(), interrupt=lambda: interrupted.append(1), ended=lambda: None
+    )
+    with pytest.raises(processes.ProcessEndedError) as error:
+        one.asked(("texts", (), (HEAD,), 15, 30.0), lambda: False)
+    assert error.value.has_begun
+    assert interrupted
 
 
 def test_a_client_that_has_gone_ends_its_job():
