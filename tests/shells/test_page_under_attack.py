@@ -406,11 +406,18 @@ def test_jobs_of_clients_that_left_are_not_computed(workers, monkeypatch):
     assert workers._lanes["questions"]._waiting == 0
 
 
-def test_a_job_that_its_client_left_ends_when_it_is_prepared_and_not_before():
-    turn, interrupted = processes._Turn(), []
-    one = processes.Worker(
-        BytesIO(), BytesIO(), interrupt=lambda: interrupted.append(1), ended=lambda: None
-    )
+@pytest.fixture
+def prepared(tmp_path):
+    """A worker that has prepared its job, and how often it was interrupted."""
+    interrupted, told, asked = [], tmp_path / "told", tmp_path / "asked"
+    told.write_bytes(pickle.dumps("begins"))
+    with told.open("rb") as reads, asked.open("wb") as writes:
+        ends = {"interrupt": lambda: interrupted.append(1), "ended": lambda: None}
+        yield processes.Worker(reads, writes, **ends), interrupted
+
+
+def test_a_job_that_its_client_left_ends_when_it_is_prepared_and_not_before(prepared):
+    turn, (one, interrupted) = processes._Turn(), prepared
     turn.begin(one)
     turn.stop()
     assert not interrupted
@@ -420,11 +427,8 @@ def test_a_job_that_its_client_left_ends_when_it_is_prepared_and_not_before():
     assert interrupted
 
 
-def test_an_unwanted_job_is_ended_when_it_begins():
-    begins, interrupted = BytesIO(pickle.dumps("begins")), []
-    one = processes.Worker(
-        begins, BytesIO(), interrupt=lambda: interrupted.append(1), ended=lambda: None
-    )
+def test_an_unwanted_job_is_ended_when_it_begins(prepared):
+    one, interrupted = prepared
     with pytest.raises(processes.ProcessEndedError) as error:
         one.asked(("texts", (), (HEAD,), 15, 30.0), lambda: False)
     assert error.value.has_begun
