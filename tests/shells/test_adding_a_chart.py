@@ -110,7 +110,7 @@ def test_the_figures_of_a_report_have_it(copy, report):
     assert {"pitches.svg", "pitches.pdf"} <= names
 
 
-def test_the_page_draws_it_in_its_place(copy, window, monkeypatch):
+def test_the_page_draws_it_in_its_place(copy, report, window, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(copy))
     with served(copy / "study.toml") as (where, _):
         page = window(at=where)
