@@ -83,8 +83,8 @@ _OF_USERS = [packages for name, packages in _EXTRAS.items() if name not in ("ben
 
 
 @pytest.fixture
-def alone(monkeypatch):
-    """As after ``pip install chromanoise``: no package of an extra can be imported."""
+def without_extras(monkeypatch):
+    """As installed without extras: this process can import none of their packages."""
     names = {re.split("[><=]", one)[0] for packages in _OF_USERS for one in packages}
     assert names == set(_MODULES)
     for name in [one for one in sys.modules if one.split(".")[0] in _MODULES.values()]:

@@ -76,11 +76,11 @@ def readme_folder(here):
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
-def test_each_command_of_the_readme_runs_without_extras(readme_folder, done, alone, words):
+def test_each_command_of_the_readme_runs_without_extras(readme_folder, done, without_extras, words):
     done(*words)
 
 
-def test_the_starter_design_is_searched_without_extras(here, done, alone):
+def test_the_starter_design_is_searched_without_extras(here, done, without_extras):
     done("init", "--design", "design.toml")
     starter = Path("design.toml").read_text(encoding="utf-8")
     quick = starter.replace("population = 200 ", "population = 20\npolish = false\nseeds = 1 ")

@@ -118,7 +118,7 @@ LONG = ("denoising.md", "characterize.md")
     ids=page_id,
 )
 def test_every_block_of_a_page_runs_without_extras_and_prints_what_the_page_says(
-    path, here, done, capsys, alone
+    path, here, done, capsys, without_extras
 ):
     run_page(path, done, capsys)
 

@@ -39,7 +39,6 @@ _MOST_LINEAR = 25.0  # from the least to the largest value of an axis
 _LEAST, _BELOW, _BEYOND = 1e-3, 0.8, 1.25  # of a logarithmic axis, and its room
 _WHOLE = 1e-6  # of a power of ten
 _NOW, _INFINITE = "now", "infinite"
-_ERROR, _NOISE = "color error, mean [ΔE*ab]", "visual noise [CIELUV]"
 
 
 def drawn_pareto(shown: Shown, look: Look) -> Chart:
@@ -47,11 +46,11 @@ def drawn_pareto(shown: Shown, look: Look) -> Chart:
 
     As in the comparison at equal color error, nothing is clipped.
     """
-    prior, matrix = shown.study.prior, shown.study.matrices[0]
+    matrix, maker = next(iter(shown.makers.items()))
     rows: list[tuple[Value, ...]] = []
     why = []
     for analysis in shown.analyses:
-        found = trade_off(analysis.point, prior=prior)
+        found = trade_off(analysis.point, prior=maker.prior)
         if isinstance(found, LeftOut):
             why.append(f"{found.sensor}: no curve, because {found.why}.")
         else:
@@ -61,7 +60,7 @@ def drawn_pareto(shown: Shown, look: Look) -> Chart:
         [one.sensor.label for one in shown.analyses],
         rows,
         _columns(rows, "color error, mean Delta E*ab", "visual noise [CIELUV]", "SNR of Y [dB]"),
-        (_NOISE, _ERROR),
+        ("visual noise [CIELUV]", "color error, mean [ΔE*ab]"),
         title=(
             "Color error against visual noise at "
             f"{conditions(shown.operating_points)}{unclipped_remark(shown)}"
@@ -128,7 +127,7 @@ def _chart(
 ) -> Chart:
     """A curve per sensor: the error of column 2 against the noise or SNR of column 3.
 
-    ``labels`` are those of both axes, ``with_weights`` tells whether weights stand at the points.
+    ``labels`` name the axes x and y; with ``with_weights`` each point is labeled with its weight.
     """
     marks: list[Mark] = []
     for i, name in enumerate(names):

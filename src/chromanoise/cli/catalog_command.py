@@ -132,8 +132,8 @@ def _rows(entries: Sequence[Entry]) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
     for (nm, source, level, defects), same in groupby(entries, key=_shared):
         for i, about in enumerate(entry.provenance for entry in same):
-            told = "as above" if i else f"{source}; {defects}"
-            rows.append((about.name, about.what, nm, level, told))
+            origin = "as above" if i else f"{source}; {defects}"
+            rows.append((about.name, about.what, nm, level, origin))
     return rows
 
 

@@ -210,15 +210,15 @@ def _numba_version() -> bytes:
     return b"" if origin is None else Path(origin).with_name("_version.py").read_bytes()
 
 
-_watching: list[Callable[[bool], None]] = []
+_callbacks: list[Callable[[bool], None]] = []
 
 
-def watch_compiling(told: Callable[[bool], None]) -> None:
-    """Call ``told(True)`` before a kernel is compiled, and ``told(False)`` after it.
+def watch_compiling(callback: Callable[[bool], None]) -> None:
+    """Call ``callback(True)`` before a kernel is compiled, and ``callback(False)`` after it.
 
-    A kernel that another one calls is compiled within that one.
+    Calls are nested: a kernel that another one calls is compiled during that compilation.
     """
-    _watching.append(told)
+    _callbacks.append(callback)
 
 
 @cache
@@ -253,8 +253,8 @@ class _RemovalOnCompilation:
         source = event.data["dispatcher"].py_func.__code__.co_filename
         if Path(source).parent != self._package:
             return
-        for told in _watching:
-            told(not event.is_end)
+        for callback in _callbacks:
+            callback(not event.is_end)
         if not event.is_end:
             _say_that_kernels_are_compiled()
             return
