@@ -452,7 +452,7 @@ def test_a_wait_for_the_first_picture_is_told_in_its_place_with_the_reason(windo
     page = window(wait=False)
     waiting = held(page, lambda request: request.url.endswith("/api/picture"))
     page.reload()  # by now replies are held back
-    until(page, "(s) => document.querySelector(s)?.textContent.includes('compiled once')", SAID)
+    until(page, "(s) => document.querySelector(s)?.textContent.includes('numerical code')", SAID)
     said, body = page.locator(SAID), page.locator("[data-part=picture] .body")
     inner, outer = said.bounding_box(), body.bounding_box()
     assert outer["y"] <= inner["y"] < inner["y"] + inner["height"] <= outer["y"] + outer["height"]

@@ -28,6 +28,7 @@ from attack_page import _tree, attacked, memory_bytes
 from attack_questions import FILES, damaged
 from chromanoise.base import sandbox as _sandbox
 from chromanoise.base.errors import InputError
+from chromanoise.imaging import kernel_cache
 from chromanoise.io.matlab import mat_array
 from chromanoise.io.sensor_files import sensor_json
 from chromanoise.study import sensor_named
@@ -571,6 +572,7 @@ def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch,
     assert error is MemoryError or "No space left" in result[0]
     assert not written.read()  # the second question is left to another process
     assert not services._prepared
+    assert not kernel_cache._callbacks  # nor is it told of kernels of later callers
 
 
 def test_cpu_time_in_which_kernels_are_compiled_does_not_count(monkeypatch, tmp_path):

@@ -213,12 +213,17 @@ def _numba_version() -> bytes:
 _callbacks: list[Callable[[bool], None]] = []
 
 
-def watch_compiling(callback: Callable[[bool], None]) -> None:
+@contextmanager
+def watch_compiling(callback: Callable[[bool], None]) -> Iterator[None]:
     """Call ``callback(True)`` before a kernel is compiled, and ``callback(False)`` after it.
 
     Calls are nested: a kernel that another one calls is compiled during that compilation.
     """
     _callbacks.append(callback)
+    try:
+        yield
+    finally:
+        _callbacks.remove(callback)
 
 
 @cache

@@ -245,9 +245,13 @@ class _Answering:
     ) -> None:
         self._services, self._reads, self._writes, self._bound = services, reads, writes, bound
         self._limit_s, self._kernels, self._began_s = math.inf, 0, 0.0
-        watch_compiling(self._compiling)
 
     def serve(self) -> None:
+        """Answer until the server ends, or until another process should replace this one."""
+        with watch_compiling(self._compiling):
+            self._serve()
+
+    def _serve(self) -> None:
         while (asked := self._asked()) is not None:
             name, kept, given, cpu_s, limit_s = asked
             self._bound_cpu(math.inf)  # preparing is not limited
