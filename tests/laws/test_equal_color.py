@@ -11,9 +11,9 @@ from chromanoise.base import InputError
 from chromanoise.charts import shown
 from chromanoise.charts.verdicts import ranking
 from chromanoise.color import NoiseAwareFamily, noise_aware, training_response, white_preserving
-from chromanoise.color.spaces import LUV
+from chromanoise.color.spaces import D65_WHITE, LAB, LUV
 from chromanoise.color.training import chart_training, smooth_training
-from chromanoise.metrics import mean_chart_errors
+from chromanoise.metrics import mean_chart_errors, scielab_filtered
 from chromanoise.metrics.visual_noise import visual_noise_of_picture
 from chromanoise.noise import Exposure, OperatingPoint, expected_electrons
 from chromanoise.sensor import Pixel, with_channels
@@ -35,6 +35,7 @@ from chromanoise.study import (
     trade_off,
     training_named,
 )
+from chromanoise.study.color_noise import noise_beyond_first_order
 from chromanoise.study.trade_offs import FEW_CHANNELS, NO_CHART, SATURATED
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, sensors
 
@@ -239,6 +240,27 @@ def test_the_winner_of_random_pairs_is_that_of_drawn_pictures():
         agreed += min(totals, key=totals.get) == found.standings[0].sensor
     assert compared > 8
     assert agreed >= compared - 1
+
+
+@pytest.mark.parametrize(("level_lux", "within"), [(20.0, 0.02), (3.0, 0.04)])
+def test_noise_beyond_first_order_is_that_of_a_drawn_gray(level_lux, within):
+    point, side, rng = paper_point("onyx-rgb-ircut", level_lux), 512, np.random.default_rng(8)
+    sensor, white_e = point.sensor, electrons_at(point)
+    matrix = trade_off(point).matrices[0]
+    read_e = sensor.pixel.read_noise_e
+    raw_e = rng.poisson(0.18 * white_e, (side, side, 3)) + rng.normal(0, read_e, (side, side, 3))
+    drawn = raw_e @ matrix.T / (matrix @ white_e)
+    per_degree = Viewing().pixels_per_degree
+    seen = scielab_filtered(drawn * D65_WHITE, pixels_per_degree=per_degree) / D65_WHITE
+    lab = LAB.from_xyz(seen, np.ones(3))
+    expected = (
+        visual_noise_of_picture(
+            drawn, lambda one: LUV.from_xyz(one, np.ones(3)), pixels_per_degree=per_degree
+        ).total,
+        np.linalg.norm(lab - lab.mean(axis=(0, 1)), axis=-1).mean(),
+    )
+    found = noise_beyond_first_order(white_e, sensor, point.exposure, matrix, Viewing())
+    assert found == pytest.approx(expected, rel=within)
 
 
 @given(st.floats(0.25, 4.0))

@@ -20,7 +20,7 @@ from chromanoise.metrics import (
     scielab_filtered,
     structural_similarity,
 )
-from chromanoise.metrics.fidelity import GAUSSIANS, OPPONENT_FROM_XYZ
+from chromanoise.metrics.fidelity import GAUSSIANS, OPPONENT_FROM_XYZ, scielab_shares
 from outcomes import refused_input
 
 D65 = np.array([0.95047, 1.0, 1.08883])
@@ -99,6 +99,14 @@ def test_the_blur_is_a_convolution_of_the_picture_continued_by_mirrors(scale):
         planes.append(fftconvolve(plane, kernel / kernel.sum(), mode="valid"))
     expected = np.stack(planes, axis=-1) @ np.linalg.inv(OPPONENT).T
     assert scielab_filtered(picture, pixels_per_degree=scale) == pytest.approx(expected, abs=2e-3)
+
+
+def test_the_share_of_independent_noise_that_passes_is_the_product_sum_of_two_impulse_answers():
+    impulse = np.zeros((129, 129, 3))
+    impulse[64, 64] = 1.0
+    seen = scielab_filtered(impulse @ np.linalg.inv(OPPONENT).T, pixels_per_degree=3.0) @ OPPONENT.T
+    expected = np.einsum("hwi,hwj->ij", seen, seen)
+    assert scielab_shares(3.0) == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_weights_are_those_of_the_authors_code_divided_by_their_sums():

@@ -31,11 +31,8 @@ def page_address():
 
 
 @pytest.fixture(scope="module")  # playwright's event loop runs as long as it does
-def browser():
-    """Chromium, one for all tests of a module: from settings the context that has them.
-
-    The windows of a context share what it has fetched and compiled, so they open in half the time.
-    """
+def chromium():
+    """Chromium, one for all tests of a module."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     program = chromium_path()
     if program is None:
@@ -43,17 +40,26 @@ def browser():
     playwright.expect.set_options(timeout=TIMEOUT_MS)
     with playwright.sync_playwright() as started:
         one = started.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        contexts = {}
-
-        def context(settings):
-            key = json.dumps(settings, sort_keys=True)
-            if key not in contexts:
-                contexts[key] = one.new_context(**settings)
-                contexts[key].set_default_timeout(TIMEOUT_MS)
-            return contexts[key]
-
-        yield context
+        yield one
         one.close()
+
+
+@pytest.fixture(scope="module")
+def browser(chromium):
+    """From settings the context that has them.
+
+    The windows of a context share what it has fetched and compiled, so they open in half the time.
+    """
+    contexts = {}
+
+    def context(settings):
+        key = json.dumps(settings, sort_keys=True)
+        if key not in contexts:
+            contexts[key] = chromium.new_context(**settings)
+            contexts[key].set_default_timeout(TIMEOUT_MS)
+        return contexts[key]
+
+    return context
 
 
 class Watch:

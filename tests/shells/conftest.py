@@ -10,9 +10,9 @@ import pytest
 from chromanoise.base.errors import InputError, errors_in
 from chromanoise.cli import entry, main
 from outcomes import Outcome
-from shells.browser import address, browser, page, page_address, watch, window
+from shells.browser import address, browser, chromium, page, page_address, watch, window
 
-__all__ = ["address", "browser", "page", "page_address", "watch", "window"]  # fixtures
+__all__ = ["address", "browser", "chromium", "page", "page_address", "watch", "window"]  # fixtures
 
 
 @pytest.fixture

@@ -88,6 +88,7 @@ if TYPE_CHECKING:
         root_polynomial_color_exact as root_polynomial_color_exact,
     )
     from chromanoise.color.spaces import (
+        D65_WHITE,
         LAB as LAB,
         LINEAR_SRGB as LINEAR_SRGB,
         LUV as LUV,

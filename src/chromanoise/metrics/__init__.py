@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         without_infrared,
     )
     from chromanoise.metrics.fidelity import (
+        OPPONENT_FROM_XYZ,
         EdgeLine as EdgeLine,
         EdgeResponse as EdgeResponse,
         FalseColor as FalseColor,
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
         psnr_db as psnr_db,
         scielab_difference as scielab_difference,
         scielab_filtered as scielab_filtered,
+        scielab_shares,
         slanted_edge_response as slanted_edge_response,
         structural_similarity as structural_similarity,
     )

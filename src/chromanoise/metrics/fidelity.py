@@ -10,6 +10,7 @@ Edge sharpness uses the slanted edge of ISO 12233 (e-SFR): MTF and rise distance
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, log10
 
 import numpy as np
@@ -467,13 +468,48 @@ def _passed(
 
 def _passed_along(count: int, sd_px: float) -> Array:
     """Transfer along one axis: the Gaussian over each pixel, folded into the mirrored period."""
+    at = np.arange(1 - _reach(sd_px), _reach(sd_px))
+    period = np.bincount(at % (2 * count), _along_pixels(at, sd_px), minlength=2 * count)
+    return np.asarray(np.fft.rfft(period).real[:count])
+
+
+def _reach(sd_px: float) -> int:
+    return int(np.ceil(8 * sd_px)) + 2
+
+
+def _along_pixels(at: Array, sd_px: float) -> Array:
+    """A Gaussian over each of a row of pixels, from far left to far right."""
     from scipy.special import ndtr
 
-    reach = int(np.ceil(8 * sd_px)) + 1
-    at = np.arange(-reach, reach + 1)
-    weights = np.diff(ndtr((np.append(at, reach + 1) - 0.5) / sd_px))
-    period = np.bincount(at % (2 * count), weights, minlength=2 * count)
-    return np.asarray(np.fft.rfft(period / period.sum()).real[:count])
+    weights = np.diff(ndtr((np.append(at, at[-1] + 1) - 0.5) / sd_px))
+    return np.asarray(weights / weights.sum())
+
+
+@lru_cache(maxsize=32)
+def scielab_shares(pixels_per_degree: float) -> Float[Array, "3 3"]:
+    """Of a covariance of the opponent planes in one pixel, what `scielab_filtered` leaves. [1]
+
+    The noise of the pixels is mutually independent.
+
+    Parameters
+    ----------
+    pixels_per_degree
+        Resolution at the viewing distance, 1 to 10,000. [1/deg]
+
+    Raises
+    ------
+    InputError
+        If ``pixels_per_degree`` is out of range.
+    """
+    scale = check.within("pixels_per_degree", "1/deg", pixels_per_degree, 1.0, 10_000.0)
+    sds_px = sorted({s / np.sqrt(2) * scale for plane in GAUSSIANS for _, s in plane})
+    at = np.arange(1 - _reach(sds_px[-1]), _reach(sds_px[-1]))
+    along = np.stack([_along_pixels(at, sd_px) for sd_px in sds_px])
+    mixed = np.zeros((len(GAUSSIANS), len(sds_px)))
+    for row, plane in zip(mixed, GAUSSIANS, strict=True):
+        for weight, s in plane:
+            row[sds_px.index(s / np.sqrt(2) * scale)] += weight / sum(one for one, _ in plane)
+    return mixed @ np.square(along @ along.T) @ mixed.T  # products of Gaussians factor in x and y
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,10 +20,14 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    congruence,
+    covariance_root,
     defined,
+    inv,
     with_short_repr,
 )
 from chromanoise.color import (
+    D65_WHITE,
     FIRST_ORDER_TOLERANCE,
     LAB,
     LUV,
@@ -43,6 +47,7 @@ from chromanoise.color import (
 )
 from chromanoise.metrics import (
     ISO_15739_2017,
+    OPPONENT_FROM_XYZ,
     Budget,
     MatrixReport,
     chart_ciede2000,
@@ -52,6 +57,7 @@ from chromanoise.metrics import (
     contravariant_budget,
     lab_budget,
     pixels_per_degree,
+    scielab_shares,
     signal_snr_db,
     viewed_covariance,
 )
@@ -137,51 +143,72 @@ def noise_as_viewed(
     -----
     ISO 15739:2017, annex B, to first order at the mean color.
     """
-    return noise_in_luv(viewed_gray(white_e, sensor, exposure, matrices, viewing))
+    in_pixel = _gray_in_pixel(white_e, sensor, exposure, matrices)
+    known = np.isfinite(in_pixel).all(axis=(-2, -1))
+    viewed = viewed_covariance(
+        np.where(known[..., None, None], in_pixel, 0.0),
+        pixels_per_degree=viewing.pixels_per_degree,
+        samples=PLANE,
+    )
+    to_luv = _of_gray(LUV)
+    variance = np.einsum("ia,...ab,ib->...i", to_luv, viewed, to_luv)
+    noise = np.sqrt(np.maximum(variance, 0.0)) @ ISO_15739_2017.weights
+    return np.where(known, noise, np.nan)
 
 
-def viewed_gray(
-    white_e: Float[Array, " p"],
-    sensor: Sensor,
-    exposure: Exposure,
-    matrices: Float[Array, "*q 3 p"],
-    viewing: Viewing,
+def _gray_in_pixel(
+    white_e: Array, sensor: Sensor, exposure: Exposure, matrices: Array
 ) -> Float[Array, "*q 3 3"]:
-    """Covariance of X, Y, Z over those of the white, of the gray as viewed. [1]
-
-    NaN where X, Y or Z of the sensor's white is not above 0.
-
-    Parameters
-    ----------
-    white_e, sensor, exposure, matrices, viewing
-        As `noise_as_viewed`.
-    """
     in_e2 = with_noise(GRAY * white_e, sensor, exposure).covariance
     white = matrices @ white_e
     known = (white > 0).all(axis=-1)[..., None, None]
-    balanced = matrices / np.where(known, white[..., None], 1.0)
-    in_pixel = balanced @ in_e2 @ np.swapaxes(balanced, -1, -2)
-    viewed = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
-    return np.where(known, viewed, np.nan)
-
-
-def noise_in_luv(viewed: Float[Array, "*q 3 3"]) -> Float[Array, "*q"]:
-    """Visual noise of a `viewed_gray`. [CIELUV]"""
-    to_luv = _of_gray(LUV)
-    variance = np.einsum("ia,...ab,ib->...i", to_luv, viewed, to_luv)
-    return np.asarray(np.sqrt(np.maximum(variance, 0.0)) @ ISO_15739_2017.weights)
-
-
-def noise_in_lab(viewed: Float[Array, "*q 3 3"]) -> Float[Array, "*q"]:
-    """Root of the variances of L*, a* and b* of a `viewed_gray`. [Delta E*ab]"""
-    to_lab = _of_gray(LAB)
-    return np.asarray(np.sqrt(np.einsum("ia,...ab,ib->...", to_lab, viewed, to_lab)))
+    balanced = matrices / np.where(known, white[..., None], np.nan)
+    return balanced @ in_e2 @ np.swapaxes(balanced, -1, -2)
 
 
 @cache
 def _of_gray(space: Space) -> Float[Array, "3 3"]:
     """Slopes of a color space at the gray, from X, Y, Z over those of the white."""
     return space.jacobian(np.full(3, GRAY), np.ones(3))
+
+
+def noise_beyond_first_order(
+    white_e: Float[Array, " p"],
+    sensor: Sensor,
+    exposure: Exposure,
+    matrix: Float[Array, "3 p"],
+    viewing: Viewing,
+) -> tuple[float, float]:
+    """Noise of a gray whose X, Y, Z as viewed are jointly normal, beyond first order.
+
+    Its visual noise [CIELUV], and the mean distance from its mean color after the filters of
+    S-CIELAB [Delta E*ab].
+
+    Parameters
+    ----------
+    white_e, sensor, exposure, viewing
+        As `noise_as_viewed`.
+    matrix
+        The color matrix, with X, Y and Z of the white above 0. [lx/e-]
+    """
+    in_pixel = _gray_in_pixel(white_e, sensor, exposure, matrix)
+    by_iso = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
+    to_opponent = np.asarray(OPPONENT_FROM_XYZ) * D65_WHITE
+    shares = scielab_shares(viewing.pixels_per_degree)
+    by_scielab = congruence(
+        inv("OPPONENT_FROM_XYZ", to_opponent), congruence(to_opponent, in_pixel) * shares
+    )
+    rule, gray = gaussian_cubature(), np.full(3, GRAY)
+    luv, lab = (
+        space.from_xyz(gray + rule.points @ covariance_root("the gray as viewed", seen), np.ones(3))
+        for space, seen in ((LUV, by_iso), (LAB, by_scielab))
+    )
+    luv_variance = rule.weights @ np.square(luv - rule.weights @ luv)
+    distance = np.linalg.norm(lab - rule.weights @ lab, axis=-1)
+    return (
+        float(np.sqrt(luv_variance) @ ISO_15739_2017.weights),
+        float(rule.weights @ distance),
+    )
 
 
 def visual_noise(

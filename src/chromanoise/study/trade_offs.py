@@ -43,9 +43,8 @@ from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
 from chromanoise.study.color_noise import (
     PLANE,
     Viewing,
-    noise_in_lab,
-    noise_in_luv,
-    viewed_gray,
+    noise_as_viewed,
+    noise_beyond_first_order,
 )
 
 LEAST_TIE_DB = 0.05
@@ -135,8 +134,6 @@ class TradeOff:
         Mean over the chart, without noise. [Delta E*ab]
     visual_noise
         Of an 18 % gray as viewed. [CIELUV]
-    noise_in_lab
-        Of that gray as viewed, in L*, a* and b* together. [Delta E*ab]
     snr_y_db
         SNR of Y of a perfect white. [dB]
     """
@@ -148,12 +145,11 @@ class TradeOff:
     matrices: Float[Array, "q 3 p"]
     color_error: Float[Array, " q"]
     visual_noise: Float[Array, " q"]
-    noise_in_lab: Float[Array, " q"]
     snr_y_db: Float[Array, " q"]
 
     def __post_init__(self) -> None:
         check.freeze(self, "weights", "family", "matrices", "color_error", "visual_noise")
-        check.freeze(self, "noise_in_lab", "snr_y_db")
+        check.freeze(self, "snr_y_db")
 
     @property
     def least_color_error(self) -> float:
@@ -221,6 +217,20 @@ class TradeOff:
             One value of each matrix, in any unit.
         """
         return float(np.interp(place, np.arange(values.size), values))
+
+    def noise_beyond_first_order_at(self, place: float) -> tuple[float, float]:
+        """`noise_beyond_first_order` between two matrices. [CIELUV, Delta E*ab]
+
+        Parameters
+        ----------
+        place
+            As `noise_at`.
+        """
+        low, high, share = math.floor(place), math.ceil(place), place % 1
+        matrix = (1 - share) * self.matrices[low] + share * self.matrices[high]
+        sensor, exposure = self.point.sensor, self.point.exposure
+        white_e = _chart_of(self.point).white_e
+        return noise_beyond_first_order(white_e, sensor, exposure, matrix, self.viewing)
 
     def channels_at(self, place: float) -> tuple[str, ...]:
         """Names of the channels that the matrix at a place uses.
@@ -353,9 +363,9 @@ class EqualColor:
     margin_db
         Noise of the second sensor over that of the first. [dB]
     tie_db
-        A margin of at most this is a tie, because it changes by as much with another training set,
-        with 0.5 Delta E*ab more color error, or with the noise in CIELAB in place of the visual
-        noise. [dB]
+        A margin of at most this is a tie, because it shrinks by as much with another training set,
+        with 0.5 Delta E*ab more color error, with the visual noise beyond first order, or with
+        S-CIELAB in place of it (`noise_beyond_first_order`). [dB]
     turns
         Where another sensor than the first has less noise.
     levels_lux
@@ -505,7 +515,6 @@ def _along_light(
         matrices = np.concatenate(
             [one.matrices(mine) for one, mine in zip(families, every, strict=True)]
         )
-        viewed = viewed_gray(white_e, sensor, exposure, matrices, viewing)
         in_e2, row = with_noise(white_e, sensor, exposure).covariance, matrices[:, 1]
         noise_lux = np.sqrt(((row @ in_e2) * row).sum(axis=-1))
         found.append(
@@ -516,8 +525,7 @@ def _along_light(
                 family=np.repeat(np.arange(len(every)), [one.size for one in every]),
                 matrices=matrices,
                 color_error=chart.errors(chart.seen(matrices)).mean(axis=-1),
-                visual_noise=noise_in_luv(viewed),
-                noise_in_lab=noise_in_lab(viewed),
+                visual_noise=noise_as_viewed(white_e, sensor, exposure, matrices, viewing),
                 snr_y_db=decibel(row @ white_e / noise_lux),
             )
         )
@@ -667,7 +675,7 @@ def equal_color(
     behind_db = decibel(noise / noise[order[0]])
     margin_db = float(behind_db[order[1]])
     again_db = (*_with_others_db(trades, order, least, most), _again_db(trades, order, prior))
-    tie_db = max(LEAST_TIE_DB, *(abs(margin_db - one) for one in again_db))
+    tie_db = max(LEAST_TIE_DB, *(margin_db - one for one in again_db))
     lit, by_light = _by_light(trades, prior, noise) if turns else ([level], noise[None])
     errors = np.linspace(least, most, _ERRORS)
     by_error = np.stack([_noises(trades, one) for one in errors]) if turns else noise[None]
@@ -757,16 +765,17 @@ def _again_db(trades: Sequence[TradeOff], order: Array, prior: str | Spectra) ->
 
 def _with_others_db(
     trades: Sequence[TradeOff], order: Array, least: float, most: float
-) -> tuple[float, float]:
-    """The margin with a little more color error, and with the noise in CIELAB. [dB]"""
+) -> tuple[float, ...]:
+    """The margin with a little more color error, beyond first order, and by S-CIELAB. [dB]"""
     first, second = trades[order[0]], trades[order[1]]
     more = _noises((first, second), min(least + _UNSEEN, most))
-    lab = [
-        math.exp(one.value_at(place, np.log(one.noise_in_lab)))
+    drawn = [
+        one.noise_beyond_first_order_at(place)
         for one in (first, second)
         if (place := one.place(least)) is not None
     ]
-    return _over_db(more[1], more[0]), _over_db(lab[1], lab[0])
+    others = zip(*drawn, strict=True)
+    return _over_db(more[1], more[0]), *(_over_db(two, one) for one, two in others)
 
 
 def _over_db(noise: float, other: float) -> float:
