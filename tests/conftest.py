@@ -68,15 +68,13 @@ def made_checking(function):
 
     A function without shapes needs no record of sizes.
     """
-    hints, later = function.__annotations__, {}
-    if "." not in function.__qualname__ or function.__name__ == "__init__":
-        # text there is a type that only type checkers import
-        unknown = {
-            name
-            for name, hint in hints.items()
-            if isinstance(hint, str) and re.split(r"\W", hint)[0] not in function.__globals__
-        }
-        later = {name: hints.pop(name) for name in unknown}
+    hints = function.__annotations__
+    unknown = {  # types that only type checkers import
+        name
+        for name, hint in hints.items()
+        if isinstance(hint, str) and re.split(r"\W", hint)[0] not in function.__globals__
+    }
+    later = {name: hints.pop(name) for name in unknown}
     one = typed(function)
     hints.update(later)
     if not any(map(has_shape, inspect.get_annotations(function).values())):

@@ -219,7 +219,9 @@ class TradeOff:
         return float(np.interp(place, np.arange(values.size), values))
 
     def noise_beyond_first_order_at(self, place: float) -> tuple[float, float]:
-        """`noise_beyond_first_order` between two matrices. [CIELUV, Delta E*ab]
+        """Visual noise [CIELUV] and mean difference by S-CIELAB [Delta E*ab] between two matrices.
+
+        Of a gray whose X, Y, Z as viewed are jointly normal.
 
         Parameters
         ----------
@@ -364,8 +366,8 @@ class EqualColor:
         Noise of the second sensor over that of the first. [dB]
     tie_db
         A margin of at most this is a tie, because it shrinks by as much with another training set,
-        with 0.5 Delta E*ab more color error, with the visual noise beyond first order, or with
-        S-CIELAB in place of it (`noise_beyond_first_order`). [dB]
+        with 0.5 Delta E*ab more color error, with the visual noise beyond first order, or by
+        S-CIELAB. [dB]
     turns
         Where another sensor than the first has less noise.
     levels_lux
@@ -769,12 +771,12 @@ def _with_others_db(
     """The margin with a little more color error, beyond first order, and by S-CIELAB. [dB]"""
     first, second = trades[order[0]], trades[order[1]]
     more = _noises((first, second), min(least + _UNSEEN, most))
-    drawn = [
+    beyond = [
         one.noise_beyond_first_order_at(place)
         for one in (first, second)
         if (place := one.place(least)) is not None
     ]
-    others = zip(*drawn, strict=True)
+    others = zip(*beyond, strict=True)
     return _over_db(more[1], more[0]), *(_over_db(two, one) for one, two in others)
 
 
