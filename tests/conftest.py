@@ -6,8 +6,10 @@ import functools
 import inspect
 import re
 import sys
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from threading import RLock
 from typing import get_args
 
 import jaxtyping
@@ -34,37 +36,45 @@ def has_shape(annotation):
     )
 
 
-CALLS = 200
-"""So many calls of each function are checked in each process: checking all takes a fifth longer."""
+CALLS = 20
+"""Calls of each function that are checked in each test: all would take a fifth longer."""
+tests = count()
+now = [next(tests)]  # the number of the test
+making = RLock()
 
 
 def checked(function):
-    """A function of which the first `CALLS` calls are checked, or a dataclass so checked.
+    """A function of which `CALLS` calls in a test are checked, or a dataclass so checked.
 
     In place of `jaxtyping.jaxtyped`, which binds every call to the signature and checks it twice:
-    with it the suite takes more than twice as long. What checks is made at the first call: most
+    with it the suite takes more than twice as long. The checker is built at the first call: most
     functions are not called in most processes.
     """
     if inspect.isclass(function):
         if dataclasses.is_dataclass(function) and "__init__" in vars(function):
             function.__init__ = checked(function.__init__)
         return function
-    left, checking = CALLS, None
+    left, test, checking = CALLS, None, None
 
     @functools.wraps(function)
     def counted(*args, **kwargs):
-        nonlocal left, checking
+        nonlocal left, test, checking
+        if test != now[0]:
+            left, test = CALLS, now[0]
         if left <= 0 or jaxtyping.config.jaxtyping_disable:
             return function(*args, **kwargs)
         left -= 1
-        checking = checking or made_checking(function)
+        with making:
+            checking = checking or checker_of(function)
         return checking(*args, **kwargs)
 
     return counted
 
 
-def made_checking(function):
-    """The sizes of named axes (``n`` in ``"n p"``) are those of one call here as in jaxtyping.
+def checker_of(function):
+    """The function with its arguments and result checked.
+
+    The sizes of named axes (``n`` in ``"n p"``) are those of one call here as in jaxtyping.
 
     A function without shapes needs no record of sizes.
     """
@@ -90,6 +100,11 @@ def made_checking(function):
 
 sizes, jaxtyping.jaxtyped = jaxtyping.jaxtyped, lambda *, typechecker: checked
 jaxtyping.install_import_hook("chromanoise", None)
+
+
+def pytest_runtest_setup() -> None:
+    """Check the first calls of each test."""
+    now[0] = next(tests)
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -1,4 +1,4 @@
-"""In tests, the first calls of each function are checked: types, shapes, and axes of one name within one call."""
+"""In tests, calls are checked: types, shapes, and axes of one name within one call."""
 
 from dataclasses import dataclass
 

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from importlib import import_module
 from io import BytesIO
@@ -138,7 +139,11 @@ def photograph(browser: Any, address: str, shot: Shot) -> bytes:
         viewport=dict(shot.size or WIDE), color_scheme=shot.scheme, reduced_motion="reduce"
     )
     context.set_default_timeout(_PATIENCE_MS)
-    page = context.new_page()
+    with closing(context):
+        return _photographed(context.new_page(), address, shot)
+
+
+def _photographed(page: Any, address: str, shot: Shot) -> bytes:
     state = "" if shot.state is None else _packed(shot.state)
     page.goto(address + (f"#{state}" if state else ""))
     page.evaluate(_REST)
@@ -148,7 +153,6 @@ def photograph(browser: Any, address: str, shot: Shot) -> bytes:
     page.evaluate(_REST)
     taken = page if shot.part is None else page.locator(f"section[data-part={shot.part}]")
     picture: bytes = taken.screenshot()
-    context.close()
     return picture
 
 

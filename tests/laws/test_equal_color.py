@@ -242,7 +242,35 @@ def test_the_winner_of_random_pairs_is_that_of_drawn_pictures():
     assert agreed >= compared - 1
 
 
-@pytest.mark.parametrize(("level_lux", "within"), [(20.0, 0.02), (3.0, 0.04)])
+def test_a_third_sensor_that_is_first_beyond_first_order_makes_a_tie():
+    # the second is behind by every measure, the third only to first order
+    names = ("model-rgb", "model-ryb", "onyx-rgbw-ircut")
+    points = [one.point for one in cn.analyze(*names, lux=1.0, time_ms=5.0).analyses]
+    found = equal_color(points, turns=False)
+    best, second, third = (
+        next(one for one in found.trade_offs if one.point.sensor.label == standing.sensor)
+        for standing in found.standings
+    )
+    visual, again, less = (
+        one.noise_beyond_first_order_at(one.place(found.at_color_error))[0]
+        for one in (best, second, third)
+    )
+    assert less < visual < again
+    assert found.is_tie
+
+
+def test_no_other_order_is_told_that_is_not_one_beyond_first_order():
+    names = ("onyx-rgb-ircut", "model-ryb")
+    points = [one.point for one in cn.analyze(*names, lux=10.0, time_ms=5.0).analyses]
+    assert [one for one in equal_color(points).turns if one.over == "light [lx]"] == []
+    there = [trade_off(replace(one, level_lux=0.3)) for one in points]
+    places = [one.place(max(two.least_color_error for two in there)) for one in there]
+    first_order = [one.noise_at(at) for one, at in zip(there, places, strict=True)]
+    beyond = [one.noise_beyond_first_order_at(at)[0] for one, at in zip(there, places, strict=True)]
+    assert (first_order[0] > first_order[1], beyond[0] < beyond[1]) == (True, True)
+
+
+@pytest.mark.parametrize(("level_lux", "within"), [(20.0, 0.02), (3.0, 0.03), (1.0, 0.04)])
 def test_noise_beyond_first_order_is_that_of_a_drawn_gray(level_lux, within):
     point, side, rng = paper_point("onyx-rgb-ircut", level_lux), 512, np.random.default_rng(8)
     sensor, white_e = point.sensor, electrons_at(point)
@@ -261,6 +289,9 @@ def test_noise_beyond_first_order_is_that_of_a_drawn_gray(level_lux, within):
     )
     found = noise_beyond_first_order(white_e, sensor, point.exposure, matrix, Viewing())
     assert found == pytest.approx(expected, rel=within)
+    if level_lux == 1.0:  # and first order is not
+        first = noise_as_viewed(white_e, sensor, point.exposure, matrix, Viewing())
+        assert first < 0.8 * expected[0]
 
 
 @given(st.floats(0.25, 4.0))

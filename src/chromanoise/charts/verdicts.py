@@ -548,7 +548,7 @@ def _at_equal_color(setting: str, found: EqualColor, able: Collection[str]) -> l
         if max(found.tie_db or 0.0, tied[-1].behind_db) > LEAST_TIE_DB:
             apart = (
                 f"a difference of {tied[-1].behind_db:.1f} dB, where training set, color error and "
-                f"measure of noise decide {found.tie_db:.1f} dB"
+                f"measure of noise change {found.tie_db:.1f} dB"
             )
         more = listed([f"{one.sensor} has {one.behind_db:.1f} dB more" for one in behind])
         first = f"{names} tie in visual noise {at}: {apart}{'; ' if more else ''}{more}."

@@ -215,7 +215,7 @@ _callbacks: list[Callable[[bool], None]] = []
 
 @contextmanager
 def watch_compiling(callback: Callable[[bool], None]) -> Iterator[None]:
-    """Call ``callback(True)`` before a kernel is compiled, and ``callback(False)`` after it.
+    """A context: ``callback(True)`` is called before a compilation, ``callback(False)`` after it.
 
     Calls are nested: a kernel that another one calls is compiled during that compilation.
     """

@@ -457,13 +457,18 @@ def _passed(
     gaussians: tuple[tuple[float, float], ...], shape: tuple[int, ...], pixels_per_degree: float
 ) -> Array:
     """Transfer of a sum of Gaussians for each cell of the cosine transform; 1 for the mean."""
-    total = sum(weight for weight, _ in gaussians)
     passed = np.zeros(shape)
-    for weight, spread_deg in gaussians:
-        sd_px = spread_deg / np.sqrt(2) * pixels_per_degree
+    for share, sd_px in _shares_and_sds_px(gaussians, pixels_per_degree):
         down, across = (_passed_along(count, sd_px) for count in shape)
-        passed += weight / total * down[:, None] * across
+        passed += share * down[:, None] * across
     return passed
+
+
+def _shares_and_sds_px(
+    gaussians: tuple[tuple[float, float], ...], pixels_per_degree: float
+) -> list[tuple[float, float]]:
+    total = sum(weight for weight, _ in gaussians)
+    return [(weight / total, s / np.sqrt(2) * pixels_per_degree) for weight, s in gaussians]
 
 
 def _passed_along(count: int, sd_px: float) -> Array:
@@ -487,9 +492,9 @@ def _along_pixels(at: Array, sd_px: float) -> Array:
 
 @lru_cache(maxsize=32)
 def scielab_shares(pixels_per_degree: float) -> Float[Array, "3 3"]:
-    """Of a covariance of the opponent planes in one pixel, what `scielab_filtered` leaves. [1]
+    """Factors by which `scielab_filtered` reduces the covariance of the opponent planes. [1]
 
-    The noise of the pixels is mutually independent.
+    Of noise that is independent from pixel to pixel.
 
     Parameters
     ----------
@@ -501,15 +506,17 @@ def scielab_shares(pixels_per_degree: float) -> Float[Array, "3 3"]:
     InputError
         If ``pixels_per_degree`` is out of range.
     """
+    from scipy.linalg import block_diag
+
     scale = check.within("pixels_per_degree", "1/deg", pixels_per_degree, 1.0, 10_000.0)
-    sds_px = sorted({s / np.sqrt(2) * scale for plane in GAUSSIANS for _, s in plane})
-    at = np.arange(1 - _reach(sds_px[-1]), _reach(sds_px[-1]))
+    planes = [_shares_and_sds_px(plane, scale) for plane in GAUSSIANS]
+    sds_px = [sd_px for plane in planes for _, sd_px in plane]
+    at = np.arange(1 - _reach(max(sds_px)), _reach(max(sds_px)))
     along = np.stack([_along_pixels(at, sd_px) for sd_px in sds_px])
-    mixed = np.zeros((len(GAUSSIANS), len(sds_px)))
-    for row, plane in zip(mixed, GAUSSIANS, strict=True):
-        for weight, s in plane:
-            row[sds_px.index(s / np.sqrt(2) * scale)] += weight / sum(one for one, _ in plane)
-    return mixed @ np.square(along @ along.T) @ mixed.T  # products of Gaussians factor in x and y
+    mixed = block_diag(*([share for share, _ in plane] for plane in planes))
+    shares = mixed @ np.square(along @ along.T) @ mixed.T  # Gaussians factor in x and y
+    shares.setflags(write=False)
+    return np.asarray(shares)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -110,6 +110,13 @@ class Viewing:
     def __post_init__(self) -> None:
         check.positive("pixel_pitch_mm", "mm", self.pixel_pitch_mm)
         check.positive("distance_mm", "mm", self.distance_mm)
+        check.within(
+            "pixels per degree, from pixel_pitch_mm and distance_mm,",
+            "1/deg",
+            self.pixels_per_degree,
+            1.0,
+            10_000.0,
+        )
 
     @property
     def pixels_per_degree(self) -> float:
@@ -144,7 +151,7 @@ def noise_as_viewed(
     ISO 15739:2017, annex B, to first order at the mean color.
     """
     in_pixel = _gray_in_pixel(white_e, sensor, exposure, matrices)
-    known = np.isfinite(in_pixel).all(axis=(-2, -1))
+    known = (matrices @ white_e > 0).all(axis=-1)
     viewed = viewed_covariance(
         np.where(known[..., None, None], in_pixel, 0.0),
         pixels_per_degree=viewing.pixels_per_degree,
@@ -159,6 +166,10 @@ def noise_as_viewed(
 def _gray_in_pixel(
     white_e: Array, sensor: Sensor, exposure: Exposure, matrices: Array
 ) -> Float[Array, "*q 3 3"]:
+    """Covariance of X, Y, Z over those of the white, of the gray in one pixel. [1]
+
+    NaN where X, Y or Z of the white is not above 0.
+    """
     in_e2 = with_noise(GRAY * white_e, sensor, exposure).covariance
     white = matrices @ white_e
     known = (white > 0).all(axis=-1)[..., None, None]
@@ -179,10 +190,10 @@ def noise_beyond_first_order(
     matrix: Float[Array, "3 p"],
     viewing: Viewing,
 ) -> tuple[float, float]:
-    """Noise of a gray whose X, Y, Z as viewed are jointly normal, beyond first order.
+    """Noise of an 18 % gray whose X, Y, Z as viewed are jointly normal, beyond first order.
 
     Its visual noise [CIELUV], and the mean distance from its mean color after the filters of
-    S-CIELAB [Delta E*ab].
+    S-CIELAB [Delta E*ab], as the gray is seen on a display whose white is D65.
 
     Parameters
     ----------

@@ -36,7 +36,6 @@ from chromanoise.color import (
 )
 from chromanoise.metrics import balanced_truth, viewed_covariance
 from chromanoise.noise import OperatingPoint, saturated, signal_limit_e, with_noise
-from chromanoise.sensor import Sensor
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
@@ -219,9 +218,9 @@ class TradeOff:
         return float(np.interp(place, np.arange(values.size), values))
 
     def noise_beyond_first_order_at(self, place: float) -> tuple[float, float]:
-        """Visual noise [CIELUV] and mean difference by S-CIELAB [Delta E*ab] between two matrices.
+        """Noise of the gray at a place, beyond first order. [CIELUV, Delta E*ab]
 
-        Of a gray whose X, Y, Z as viewed are jointly normal.
+        Its visual noise, and its noise by S-CIELAB.
 
         Parameters
         ----------
@@ -365,9 +364,9 @@ class EqualColor:
     margin_db
         Noise of the second sensor over that of the first. [dB]
     tie_db
-        A margin of at most this is a tie, because it shrinks by as much with another training set,
-        with 0.5 Delta E*ab more color error, with the visual noise beyond first order, or by
-        S-CIELAB. [dB]
+        A margin of at most this is a tie. It is one where another sensor comes first with another
+        training set, with 0.5 Delta E*ab more color error, with the visual noise beyond first
+        order, or by S-CIELAB: the margin shrinks by as much. [dB]
     turns
         Where another sensor than the first has less noise.
     levels_lux
@@ -676,28 +675,33 @@ def equal_color(
     order = np.argsort(noise, kind="stable")
     behind_db = decibel(noise / noise[order[0]])
     margin_db = float(behind_db[order[1]])
-    again_db = (*_with_others_db(trades, order, least, most), _again_db(trades, order, prior))
-    tie_db = max(LEAST_TIE_DB, *(margin_db - one for one in again_db))
-    lit, by_light = _by_light(trades, prior, noise) if turns else ([level], noise[None])
-    errors = np.linspace(least, most, _ERRORS)
-    by_error = np.stack([_noises(trades, one) for one in errors]) if turns else noise[None]
+    first = int(order[0])
+    again_db = _again_db(trades, first, prior, least, most)
+    shrinks_db = np.maximum(LEAST_TIE_DB, (behind_db - again_db).max(axis=0))[order[1:]]
+    tied_db = shrinks_db[behind_db[order[1:]] <= shrinks_db]
+    tie_db = float(tied_db.max() if tied_db.size else shrinks_db[0])
+    changes_db = np.maximum(LEAST_TIE_DB, np.abs(behind_db - again_db).max(axis=0))
+    lit, errors = [level], np.linspace(least, most, _ERRORS)
+    found_turns: list[Turn] = []
+    if turns:
+        by_light = _by_light(trades, prior)
+        lit = sorted(by_light)
+        levels, same = [by_light[one] for one in lit], [trades] * _ERRORS
+        found_turns = [
+            *_turns("light [lx]", lit, levels, None, first, changes_db),
+            *_turns("color error [Delta E*ab]", errors, same, errors, first, changes_db),
+        ]
     every = [
         _standing(trade, least, colorless, float(db))
         for trade, db in zip(trades, behind_db, strict=True)
     ]
-    sensors, first = [one.point.sensor for one in trades], int(order[0])
     return EqualColor(
         trade_offs=trades,
         standings=tuple(every[k] for k in order),
         at_color_error=least,
         margin_db=margin_db,
         tie_db=tie_db,
-        turns=(
-            *_turns("light [lx]", lit, by_light, first, sensors, tie_db),
-            *_turns("color error [Delta E*ab]", errors, by_error, first, sensors, tie_db),
-        )
-        if turns
-        else (),
+        turns=tuple(found_turns),
         levels_lux=(min(lit), max(lit)),
         errors=(least, most),
         colorless_error=colorless,
@@ -752,8 +756,13 @@ def _noises_at_least_error(trades: Sequence[TradeOff]) -> Float[Array, " s"]:
     return _noises(trades, max(one.least_color_error for one in trades))
 
 
-def _again_db(trades: Sequence[TradeOff], order: Array, prior: str | Spectra) -> float:
-    """The margin of the first over the second with another training set. [dB]"""
+def _again_db(
+    trades: Sequence[TradeOff], first: int, prior: str | Spectra, least: float, most: float
+) -> Float[Array, "4 s"]:
+    """Noise over that of the first sensor by other conventions. [dB]
+
+    With another training set, with a little more color error, beyond first order, and by S-CIELAB.
+    """
     own = _on_grid(prior, trades[0].point.sensor.grid)
     other = _on_grid(_SECOND_PRIOR, trades[0].point.sensor.grid)
     second = "chart" if own == other else other
@@ -761,27 +770,20 @@ def _again_db(trades: Sequence[TradeOff], order: Array, prior: str | Spectra) ->
     able = [  # one that has no trade-off with it keeps its own
         two if isinstance(two, TradeOff) else one for one, two in zip(trades, again, strict=True)
     ]
-    noise = _noises_at_least_error(able)
-    return _over_db(noise[order[1]], noise[order[0]])
+    more = _noises(trades, min(least + _UNSEEN, most))
+    noise = np.stack([_noises_at_least_error(able), more, *_noises_beyond(trades, least)])
+    return decibel(noise / noise[:, [first]])
 
 
-def _with_others_db(
-    trades: Sequence[TradeOff], order: Array, least: float, most: float
-) -> tuple[float, ...]:
-    """The margin with a little more color error, beyond first order, and by S-CIELAB. [dB]"""
-    first, second = trades[order[0]], trades[order[1]]
-    more = _noises((first, second), min(least + _UNSEEN, most))
-    beyond = [
-        one.noise_beyond_first_order_at(place)
-        for one in (first, second)
-        if (place := one.place(least)) is not None
-    ]
-    others = zip(*beyond, strict=True)
-    return _over_db(more[1], more[0]), *(_over_db(two, one) for one, two in others)
-
-
-def _over_db(noise: float, other: float) -> float:
-    return 20 * math.log10(noise / other)
+def _noises_beyond(trades: Sequence[TradeOff], color_error: float) -> Float[Array, "2 s"]:
+    """Beyond first order, at a color error that all reach. [CIELUV, Delta E*ab]"""
+    places = [(one, one.place(color_error)) for one in trades]
+    return np.transpose(
+        [
+            (math.nan, math.nan) if at is None else one.noise_beyond_first_order_at(at)
+            for one, at in places
+        ]
+    )
 
 
 def _on_grid(prior: str | Spectra, grid: Grid) -> str | Spectra:
@@ -798,21 +800,18 @@ def _tells_colors(trade: TradeOff) -> bool:
     return bool(matrix_rank(f"matrix of {trade.point.sensor.name}", relative) >= _COLORS)
 
 
-def _by_light(
-    trades: Sequence[TradeOff], prior: str | Spectra, own: Float[Array, " s"]
-) -> tuple[list[float], Float[Array, "l s"]]:
-    """Levels at which no sensor is saturated, and the noise of each sensor at equal color error."""
+def _by_light(trades: Sequence[TradeOff], prior: str | Spectra) -> dict[float, Sequence[TradeOff]]:
+    """The trade-offs at each level at which no sensor is saturated."""
     here = trades[0].point.level_lux
     fullest = min(_fullest_lux(one.point) for one in trades)
     others = [one for one in {*_LEVELS_LUX, fullest} if one != here and one <= fullest]
     along = [_along_light(one.point, others, prior, one.viewing, _COARSE) for one in trades]
-    found = {here: own}
+    found = {here: trades}
     for level, *there in zip(others, *along, strict=True):
         able = [one for one in there if isinstance(one, TradeOff)]
         if len(able) == len(trades):
-            found[level] = _noises_at_least_error(able)
-    levels = sorted(found)
-    return levels, np.stack([found[level] for level in levels])
+            found[level] = able
+    return found
 
 
 def _fullest_lux(point: OperatingPoint) -> float:
@@ -825,33 +824,54 @@ def _fullest_lux(point: OperatingPoint) -> float:
 def _turns(
     over: Literal["light [lx]", "color error [Delta E*ab]"],
     at: Sequence[float] | Float[Array, " l"],
-    noise: Float[Array, "l s"],
+    trades: Sequence[Sequence[TradeOff]],
+    errors: Float[Array, " l"] | None,
     first: int,
-    sensors: Sequence[Sensor],
-    tie_db: float,
+    tie_db: Float[Array, " s"],
 ) -> list[Turn]:
-    """Ranges in which another sensor has less noise than the first one, by more than a tie."""
+    """Ranges in which another sensor has less noise than the first one, by more than its tie.
+
+    It has less beyond first order and by S-CIELAB, too. Without ``errors``, sensors are compared at
+    the least color error that all reach.
+    """
+    at_error = [max(one.least_color_error for one in there) for there in trades]
+    at_error = at_error if errors is None else list(errors)
+    noise = np.stack([_noises(there, one) for there, one in zip(trades, at_error, strict=True)])
     scale, back = (np.log, math.exp) if over == "light [lx]" else (np.asarray, float)
     where, level_db = scale(np.asarray(at)), decibel(noise)
     best = level_db.argmin(axis=1)
+
+    def sure(k: int) -> int | None:
+        leader = int(best[k])
+        if leader == first:
+            return first
+        beyond = _noises_beyond([trades[k][first], trades[k][leader]], at_error[k])
+        return leader if (beyond[:, 1] < beyond[:, 0]).all() else None
 
     def edge(k: int) -> float:
         """Between k and k + 1, where the leaders of both are level."""
         lead = level_db[k : k + 2, best[k + 1]] - level_db[k : k + 2, best[k]]
         return back(float(where[k] + (where[k + 1] - where[k]) * lead[0] / (lead[0] - lead[1])))
 
+    def end(k: int, beside: int) -> float:
+        """The end of a range at ``k``: a leader of whom nobody is sure begins or ends it there."""
+        inside = 0 <= beside < len(best) and best[beside] != best[k]
+        return edge(min(k, beside)) if inside else float(at[k])
+
     turns = []
-    for leader, group in groupby(range(len(best)), key=lambda k: int(best[k])):
+    for leader, group in groupby(range(len(best)), key=sure):
         k = list(group)
-        lead_db = (level_db[k, first] - level_db[k, leader]).max()
-        if leader != first and lead_db > tie_db:
+        if leader in (None, first):
+            continue
+        if (level_db[k, first] - level_db[k, leader]).max() > tie_db[leader]:
+            sensor = trades[0][leader].point.sensor
             turns.append(
                 Turn(
                     over=over,
-                    first=edge(k[0] - 1) if k[0] else float(at[0]),
-                    last=edge(k[-1]) if k[-1] + 1 < len(best) else float(at[-1]),
-                    winner=sensors[leader].name,
-                    sensor=sensors[leader].label,
+                    first=end(k[0], k[0] - 1),
+                    last=end(k[-1], k[-1] + 1),
+                    winner=sensor.name,
+                    sensor=sensor.label,
                 )
             )
     return turns
