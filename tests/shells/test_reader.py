@@ -6,6 +6,9 @@ import pytest
 
 import chromanoise as cn
 from chromanoise.spectra import DEFAULT_GRID, colorchecker
+from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_studies import Studies
+from chromanoise.web.requests import Uploads
 from outcomes import refused
 
 LIGHT = ("--lux", "10", "--time-ms", "12")
@@ -31,6 +34,20 @@ def test_for_an_eye_nothing_of_a_machine_is_computed(done):
     out, _ = done("analyze", "onyx-rgbw", *LIGHT, "--json", "-")
     (sensor,) = json.loads(out)["sensors"]
     assert not {"separation", "contrast_detection"} & set(sensor)
+
+
+@pytest.mark.parametrize("outputs", [{"reader": "machine"}, {"clip": True, "budget": False}])
+def test_the_page_answers_for_these_outputs_whatever_was_asked_before(outputs):
+    def parts(replies, outputs):
+        study = {"sensors": [{"name": "onyx-rgbw"}], "outputs": outputs}
+        question = {"number": 1, "study": study, "want": ["head", "levels", "stages"], "look": {}}
+        return json.loads(replies.answer(question))["parts"]
+
+    asked_before = ChartReplies(Studies(Uploads()))
+    others = parts(asked_before, {})
+    found = parts(asked_before, outputs)
+    assert found == parts(ChartReplies(Studies(Uploads())), outputs)
+    assert found != others
 
 
 def test_a_list_of_pairs_names_patches_of_the_chart_and_the_catalog(done, here):

@@ -28,7 +28,6 @@ from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.study import (
-    OutputsPart,
     Study,
     file_words,
     files_of_word,
@@ -50,17 +49,20 @@ from chromanoise.web.requests import QuestionError, Upload, field, malformed, pa
 
 T = TypeVar("T")
 _LOG = logging.getLogger("chromanoise.web")
-_BESIDE: dict[str, Any] = {  # no drawing depends on them
-    **dict.fromkeys(("sweeps", "pictures", "title", "seed"), True),
-    "outputs": set(OutputsPart.model_fields) - {"clip", "reader"},
-}
-_BESIDE_MAP = {name: what for name, what in _BESIDE.items() if name != "sweeps"}
+_BESIDE = {"pictures", "title", "seed", "outputs"}  # no drawing depends on them
+_OUTPUTS = {"clip", "reader"}  # but on these outputs
 _LOOKS: Mapping[str, tuple[str, ...]] = {
     "budget": ("coordinate",),
     "ellipses": ("plane",),
     "levels": ("coordinate",),
     "vectors": ("magnification",),
 }
+
+
+def _words(study: Study, beside: set[str]) -> str:
+    """What a drawing of a study depends on."""
+    outputs = study.outputs.model_dump_json(include=_OUTPUTS)
+    return study.model_dump_json(exclude=beside) + outputs
 
 
 class ChartReplies:
@@ -90,7 +92,7 @@ class ChartReplies:
             operating_points=operating_points,
             look=look,
             nouns=tuple((one.sensor, one.illuminant) for one in operating_points),
-            words=study.model_dump_json(exclude=_BESIDE),
+            words=_words(study, _BESIDE | {"sweeps"}),
             stamps=stamps_of(study, "matrices."),
         )
         parts = ", ".join(f'"{part}": {self._part(part, asked, used)}' for part in wanted)
@@ -137,7 +139,7 @@ class ChartReplies:
         if part == "sensitivities":  # they do not depend on level and exposure
             words = ""
         elif part == "map":
-            words = study.model_dump_json(exclude=_BESIDE_MAP)
+            words = _words(study, _BESIDE)
         try:
             chart = self._parts.of(
                 (part, looked, asked.nouns, words, asked.stamps), lambda: self._drawn(part, asked)

@@ -9,7 +9,7 @@ import { changeStudy } from "app/state.js";
 
 /** @type {Record<string, string>} */
 const MEANT = {
-  eye: "The verdict is by luminance SNR, after the color matrix.",
+  eye: "The verdict is by visual noise at equal color error.",
   machine: "The verdict is by the distance of patches in raw values, in units of their noise.",
 };
 
