@@ -506,14 +506,13 @@ def scielab_shares(pixels_per_degree: float) -> Float[Array, "3 3"]:
     InputError
         If ``pixels_per_degree`` is out of range.
     """
-    from scipy.linalg import block_diag
-
     scale = check.within("pixels_per_degree", "1/deg", pixels_per_degree, 1.0, 10_000.0)
     planes = [_shares_and_sds_px(plane, scale) for plane in GAUSSIANS]
     sds_px = [sd_px for plane in planes for _, sd_px in plane]
     at = np.arange(1 - _reach(max(sds_px)), _reach(max(sds_px)))
     along = np.stack([_along_pixels(at, sd_px) for sd_px in sds_px])
-    mixed = block_diag(*([share for share, _ in plane] for plane in planes))
+    own = np.repeat(np.eye(len(planes)), [len(plane) for plane in planes], axis=1)
+    mixed = own * [share for plane in planes for share, _ in plane]
     shares = mixed @ np.square(along @ along.T) @ mixed.T  # Gaussians factor in x and y
     shares.setflags(write=False)
     return np.asarray(shares)
