@@ -854,7 +854,7 @@ def _turns(
         return back(float(where[k] + (where[k + 1] - where[k]) * lead[0] / (lead[0] - lead[1])))
 
     def end(k: int, beside: int) -> float:
-        """The end of a range at ``k``: a leader of whom nobody is sure begins or ends it there."""
+        """The end of a range at ``k``: where the next sensor is level, or at ``k`` itself."""
         inside = 0 <= beside < len(best) and best[beside] != best[k]
         return edge(min(k, beside)) if inside else float(at[k])
 
