@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 import chromanoise as cn
 from chromanoise.base import InputError
 from chromanoise.charts import shown
-from chromanoise.charts.verdicts import ranking
+from chromanoise.charts.verdicts import BELOW, ranking
 from chromanoise.color import NoiseAwareFamily, noise_aware, training_response, white_preserving
 from chromanoise.color.spaces import D65_WHITE, LAB, LUV
 from chromanoise.color.training import chart_training, smooth_training
@@ -29,6 +29,7 @@ from chromanoise.study import (
     Viewing,
     electrons_at,
     equal_color,
+    mean_color_error,
     noise_as_viewed,
     sensor_named,
     study_from_data,
@@ -458,6 +459,37 @@ def test_the_json_of_two_sensors_has_the_verdict_and_that_of_one_has_none():
     assert data["winner"] == "onyx-rgb-ircut"
     assert data["reader"] == "eye"
     assert "verdict" not in cn.analyze("onyx-rgbw", lux=10.0).to_dict()
+
+
+@pytest.mark.parametrize("level_lux", [0.1, 10.0])
+def test_the_reason_is_the_noise_of_a_gray_before_the_matrix_and_what_the_matrix_makes_of_it(
+    level_lux,
+):
+    verdict = cn.analyze(*PAIR, "onyx-rgb", lux=level_lux, time_ms=11.94).verdict
+    first, *others = verdict.at_equal_color.standings
+    for one in (first, *others):
+        point = paper_point(one.name, level_lux=level_lux)
+        gray_e = 0.18 * electrons_at(point)  # equal independent channels: squares of SNRs add
+        pixel = point.sensor.pixel
+        snr = np.sqrt((gray_e**2 / (gray_e + pixel.read_noise_e**2)).sum())
+        assert one.gray_snr_db == pytest.approx(20 * np.log10(snr))
+    for one in others:
+        collected = first.gray_snr_db - one.gray_snr_db
+        assert one.amplified_db + collected == pytest.approx(one.behind_db)
+    assert first.amplified_db == 0.0
+    rgbw = next(one for one in others if one.name == "onyx-rgbw")
+    assert rgbw.gray_snr_db > first.gray_snr_db  # the paper: the better raw signal ...
+    assert rgbw.amplified_db > 10.0  # ... and the noisier color
+
+
+@pytest.mark.parametrize(("matrix", "is_below"), [("least-squares", True), ("kernel", False)])
+def test_a_matrix_with_less_color_error_than_all_that_are_compared_is_told(matrix, is_below):
+    pair = ("onyx-rgb-ircut", "onyx-rgbw-ircut")
+    result = cn.analyze(*pair, lux=10.0, matrix=matrix)
+    least = [one.least_color_error for one in result.verdict.at_equal_color.standings]
+    own = [mean_color_error(one) for one in result.analyses]
+    assert (min(own) < min(least) - 0.05) == is_below
+    assert any(BELOW in one for one in result.verdict.sentences) == is_below
 
 
 def test_for_a_machine_the_winner_is_that_of_the_median_pair():

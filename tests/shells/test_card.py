@@ -169,7 +169,8 @@ def test_a_saturated_sensor_says_so():
     shown = text_of(card.content("svg"))
     assert "onyx-rgbw: channel W is saturated on the white" in card.sentences[0]
     assert card.sentences[1].startswith("onyx-rgb-ircut has 34.2 dB")
-    assert "onyx-rgbw (saturated)" in shown
+    assert card.pictures[0] is None
+    assert "no picture: saturated" in shown
     assert "onyx-rgbw: saturated" in shown
 
 

@@ -9,6 +9,7 @@ import tifffile
 
 import chromanoise as cn
 from chromanoise.io.matrix_files import is_matrix_file, read_matrix
+from chromanoise.study import color_snr_db
 from outcomes import refused_input
 
 SENSOR = "onyx-rgb-ircut"
@@ -280,7 +281,7 @@ def test_a_matrix_made_for_another_sensor_light_or_level_says_so(exported):
         (SENSOR, {"lux": 10, "illuminant": "A"}),
         (SENSOR, {"lux": 11}),
     ):
-        (note,) = notes_of(sensor, path, **settings)
+        note, *_ = notes_of(sensor, path, **settings)
         assert str(path) in note
         assert SENSOR in note
         assert "10 lx" in note
@@ -288,9 +289,20 @@ def test_a_matrix_made_for_another_sensor_light_or_level_says_so(exported):
 
 def test_a_matrix_of_rank_one_says_so(tmp_path):
     path = tmp_path / "gray.csv"
-    path.write_text("1,1,1\n1,1,1\n1,1,1\n", encoding="utf-8")
+    path.write_text("1,0,0\n1,0,0\n1,0,0\n", encoding="utf-8")
     (note,) = notes_of(SENSOR, path, lux=10)
     assert "rank 1" in note
+
+
+@pytest.mark.parametrize(("gain", "noted"), [(1.0, False), (1.9, False), (3.0, True), (0.3, True)])
+def test_a_matrix_of_another_scale_says_so_and_changes_no_snr(tmp_path, gain, noted):
+    path = tmp_path / "scaled.csv"
+    path.write_text(f"{gain},0,0\n0,{gain},0\n0,0,{gain}\n", encoding="utf-8")
+    (one,) = cn.analyze(SENSOR, matrix=str(path), lux=10).analyses
+    assert any("perfect white of 10 lx" in note for note in one.matrix.notes) == noted
+    path.write_text("1,0,0\n0,1,0\n0,0,1\n", encoding="utf-8")
+    (plain,) = cn.analyze(SENSOR, matrix=str(path), lux=10).analyses
+    assert color_snr_db(one) == pytest.approx(color_snr_db(plain))
 
 
 def test_an_option_that_is_given_twice_is_refused(run):

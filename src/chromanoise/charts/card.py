@@ -42,7 +42,7 @@ from chromanoise.charts.levels import curves_chart, drawn_lux
 from chromanoise.charts.numbers import NONE, brief, decimal, listed
 from chromanoise.charts.result_figures import draw_picture
 from chromanoise.charts.sensitivities import sensitivities_chart
-from chromanoise.charts.verdicts import verdict_of
+from chromanoise.charts.verdicts import NOT_COMPARED, WHY, verdict_of
 from chromanoise.imaging import Work, camera_for
 from chromanoise.imaging.denoising import captured_with
 from chromanoise.noise import conditions, level_in_words
@@ -67,8 +67,12 @@ PAPERS_IN: Mapping[Paper, tuple[float, float]] = {"16:9": (40 / 3, 7.5), "a4": (
 MOST_ON_CARD = 5
 ENDINGS = ("pdf", "svg", "png", "html")
 _SMALLEST_PT = 9.0
-_CHOSEN = "; with the matrix "  # of the sentence on the matrix of the study
-_ALONE = "of luminance SNR for an eye"  # of the sentence on the one sensor that is not saturated
+_MARKS = (  # of the sentences on the card, beside the first and those on saturation
+    WHY,
+    NOT_COMPARED,
+    "; with the matrix ",  # that of the study
+    "of luminance SNR for an eye",  # of the one sensor that is not saturated
+)
 _PIXELS = 1920  # across
 _EDGE_IN = 0.14
 _PLACES = 5  # of a place, as a share of the figure
@@ -90,11 +94,13 @@ class Card:
     of
         The study with its results.
     verdict
-        Its verdict; the card shows its first sentence, the one on the matrix, and who is saturated.
+        Its verdict; the card shows its first sentence, the reasons, the one on the matrix, and who
+        is saturated or not compared.
     shown
         Indices of the sensors with a picture: the first two by the verdict.
     pictures
-        The same crop of a picture through each of them. [8-bit sRGB]
+        The same crop of a picture through each of them; ``None`` where a channel is saturated on
+        the white. [8-bit sRGB]
     paper
         Size of the sheet.
     """
@@ -102,7 +108,7 @@ class Card:
     of: Shown
     verdict: Verdict
     shown: tuple[int, ...]
-    pictures: tuple[UInt8[Array, "h w 3"], ...]
+    pictures: tuple[UInt8[Array, "h w 3"] | None, ...]
     paper: Paper
 
     def __post_init__(self) -> None:
@@ -118,7 +124,7 @@ class Card:
         """Those of the verdict that are on the card."""
         first, *others = self.verdict.sentences
         full = [f"{saturation_sentence(one)}." for one in self.of.analyses]
-        kept = [one for one in others if _CHOSEN in one or one in full or _ALONE in one]
+        kept = [one for one in others if one in full or any(mark in one for mark in _MARKS)]
         return (first, *kept)
 
     @property
@@ -133,6 +139,7 @@ class Card:
             )
             if point.sensor.origin in ("reconstruction", "model"):
                 text += f", curves: {point.sensor.origin}"
+            text += "".join(f", {one}" for one in point.sensor.notes if " beyond " in one)
             pixels.setdefault(text, []).append(point.sensor.label)
         alike = len(pixels) == 1
         each = [f"{'pixel' if alike else f'{listed(who)}:'} {text}" for text, who in pixels.items()]
@@ -255,9 +262,12 @@ def card_of(of: Shown, *, paper: Paper = "16:9", work: Work | None = None) -> Ca
     cube = checker_cube()
     crop = replace(cube, stored=np.asarray(cube.stored)[_CROP])
     settings = capture_settings_of(PicturePart(cube=cube.source, clip=True), seed=study.seed)
-    pictures = []
+    pictures: list[UInt8[Array, "h w 3"] | None] = []
     for i in shown:
         point = of.operating_points[i]
+        if of.analyses[i].saturated.any():
+            pictures.append(None)
+            continue
         camera = camera_for(crop, point, of.analyses[i].matrix, settings)
         taken = captured_with(crop, camera, None, frame=0, work=work or Work()).picture
         assert taken is not None  # these settings ask for color
@@ -370,7 +380,7 @@ def _lines(text: str, size: float, width_pt: float, weight: str = "normal") -> I
     for word in re.split(r"(?<!\d)\s", text):  # a number stays with its unit
         longer = f"{line} {word}".strip()
         width, _, _ = TextToPath().get_text_width_height_descent(longer, font, ismath=False)
-        if line and width > 0.98 * width_pt:  # fonts of viewers differ a little
+        if line and width > 0.97 * width_pt:  # fonts of viewers differ a little
             yield line
             longer = word
         line = longer
@@ -490,19 +500,28 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
             ax.set_xlabel("")
         else:
             draw_panel(chart, i, ax).set_axis_off()
-    who = "" if every else f": two of {len(of.analyses)} sensors"
+    who = "" if every else _some(card)
     _heading(part, f"Budget of the SNR of Y [dB]{who}")
+
+
+def _some(card: Card) -> str:
+    count = len(card.of.analyses)
+    return f": two of {count} sensors" if count > len(card.shown) else ""
 
 
 def _draw_pictures(card: Card, part: SubFigure, *, columns: int) -> None:
     axes = part.subplots(len(card.shown) // columns, columns, squeeze=False).flat
     for i, picture, ax in zip(card.shown, card.pictures, axes, strict=True):
-        draw_picture(picture, ax)
-        ax.set_anchor("NW")
-        full = card.of.analyses[i].saturated.any()
-        _entitle(ax, i, card, more=" (saturated)" if full else "")
+        if picture is not None:
+            draw_picture(picture, ax)
+            ax.set_anchor("NW")
+        else:
+            ax.set_axis_off()
+            ax.text(0, 1, "no picture: saturated", transform=ax.transAxes, va="top")
+        _entitle(ax, i, card)
     level = level_in_words(card.of.study.light.level_lux, 3)
-    _heading(part, f"Picture at {level}")
+    who = _some(card) if columns > 1 else ""  # else the budgets say so
+    _heading(part, f"Picture at {level}{who}")
 
 
 def _draw_patches(card: Card, part: SubFigure) -> None:
@@ -520,7 +539,8 @@ def _draw_patches(card: Card, part: SubFigure) -> None:
         for i, analysis in enumerate(card.of.analyses):
             reason = (saturation_sentence(analysis) or "").partition(": ")[2].partition(";")[0]
             ax.text(0, 1 + i, reason, va="center")
-    _heading(part, "Color error of each patch [ΔE*ab, without noise]")
+    of_all = f"matrix of charts and pictures: {card.of.analyses[0].matrix.made_by}"
+    _heading(part, f"Color error of each patch [ΔE*ab, without noise]; {of_all}")
 
 
 def _color(analysis: Analysis) -> str:

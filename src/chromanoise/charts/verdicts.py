@@ -38,6 +38,7 @@ from chromanoise.study import (
     PairOutcome,
     RawOutcome,
     Reader,
+    Standing,
     TradeOff,
     Verdict,
     assumptions,
@@ -368,6 +369,15 @@ def _raw_db(analysis: Analysis) -> float:
 
 
 _TIE_DB = LEAST_TIE_DB
+WHY = "Why:"
+"""First word of the sentence on the reasons of the visual noise."""
+NOT_COMPARED = "is not compared at equal color error"
+"""Of the sentence on a sensor without a trade-off."""
+BELOW = "That is less color error than every compared matrix has"
+"""Of the sentence on a matrix that is not of the compared family, with its reason."""
+_WHY_BELOW = "The compared ones keep the white and are trained on X, Y and Z, not on color errors."
+_MOST_REASONS = 4  # sensors behind the first whose reason is told
+_UNSEEN = 0.05  # a difference of color errors that one decimal does not show [Delta E*ab]
 _WORTH_DB = 0.3  # least loss of a cause that is reported
 _GLOSSES = {  # of bars of the budget whose label is a word of its own
     WEIGHTS: "weights that make Y of the channels",
@@ -516,7 +526,7 @@ def _for_an_eye(
         _contest(best_color, rival, best_raw),
         *_another_order(found, rivals),
         *_reasons(best_color, rival),
-        _colors(able, found),
+        *_colors(able, found),
         *sentences,
     ]
 
@@ -524,14 +534,12 @@ def _for_an_eye(
 def _at_equal_color(setting: str, found: EqualColor, able: Collection[str]) -> list[str]:
     """The winner at equal color error, whether color is lost, and where the order turns."""
     left_out = [
-        f"{one.sensor} is not compared at equal color error: {one.why}."
-        for one in found.left_out
-        if one.sensor in able
+        f"{one.sensor} {NOT_COMPARED}: {one.why}." for one in found.left_out if one.sensor in able
     ]
     if not found.standings:
         return [f"{setting} no two sensors can be compared at equal color error.", *left_out]
     best, *others = found.standings
-    at = f"at equal color error ({found.at_color_error:.1f} ΔE*ab)"
+    at = f"at equal color error ({found.at_color_error:.1f} ΔE*ab, each with its best matrix)"
     lost = [one for one in found.standings if one.is_lost]
     every = len(lost) == len(found.standings)
     who = "each sensor" if every else listed([one.sensor for one in lost])
@@ -562,9 +570,30 @@ def _at_equal_color(setting: str, found: EqualColor, able: Collection[str]) -> l
         )
         first = f"{best.sensor} has the least visual noise {at}: {less}."
     if every:
-        return [f"{setting} {gone}", first, *left_out, *_turns(found)]
+        return [f"{setting} {gone}", first, *_whys(best, behind), *left_out, *_turns(found)]
     some = [f"{gone[0].upper()}{gone[1:]}"] if lost else []
-    return [f"{setting} {first}", *some, *left_out, *_turns(found)]
+    return [f"{setting} {first}", *_whys(best, behind), *some, *left_out, *_turns(found)]
+
+
+def _whys(best: Standing, behind: Sequence[Standing]) -> list[str]:
+    """Noise of the gray in the raw channels, and what each matrix makes of it: the sum is told."""
+    parts = []
+    for one in behind[:_MOST_REASONS]:
+        raw_db, amplified_db = one.gray_snr_db - best.gray_snr_db, one.amplified_db
+        raw = "the same raw SNR" if abs(raw_db) < _TIE_DB else f"{_more(raw_db)} raw SNR"
+        amplified = f"{'but' if raw_db >= _TIE_DB else 'and'} its matrix amplifies the noise"
+        if abs(amplified_db) < _TIE_DB:
+            amplified = f"{amplified} as much"
+        elif amplified_db > 0:
+            amplified = f"{amplified} by {_more(amplified_db)}"
+        else:
+            amplified = f"of which its matrix gains back {-amplified_db:.1f} dB"
+        parts.append(f"{one.sensor} has {raw}, {amplified}")
+    return [f"{WHY} on an 18 % gray, {'; '.join(parts)}."] if parts else []
+
+
+def _more(db: float) -> str:
+    return f"{abs(db):.1f} dB {'more' if db > 0 else 'less'}"
 
 
 def _turns(found: EqualColor) -> list[str]:
@@ -653,8 +682,8 @@ def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis) -> str:
     if abs(gap_db) < _TIE_DB:
         luminance = "the same luminance SNR"
     return (
-        f"{first.sensor.label} has {more} {second.sensor.label} ({RAW_SNR}); with the matrix "
-        f"{first.matrix.made_by}, it has {luminance} ({_pair(first, second)})."
+        f"On a perfect white, {first.sensor.label} has {more} {second.sensor.label} ({RAW_SNR}); "
+        f"with the matrix {first.matrix.made_by}, it has {luminance} ({_pair(first, second)})."
     )
 
 
@@ -708,7 +737,8 @@ def _label(cause: str) -> str:
     return cause_label(cause, "Y") + (f" ({gloss})" if gloss else "")
 
 
-def _colors(able: Sequence[Analysis], found: EqualColor) -> str:
+def _colors(able: Sequence[Analysis], found: EqualColor) -> list[str]:
+    """Color error and visual noise of the matrix of the analyses."""
     place = {one.sensor: k for k, one in enumerate(found.standings)}
     able = sorted(able, key=lambda one: (place.get(one.sensor.label, len(place)), one.sensor.label))
     errors = ", ".join(f"{a.sensor.label} {_delta_e(mean_color_error(a))}" for a in able)
@@ -721,7 +751,18 @@ def _colors(able: Sequence[Analysis], found: EqualColor) -> str:
     ]
     more = f", above the best matrix of this color error: {listed(above)}" if above else ""
     over = f"mean ΔE*ab over {_patches(able[0])}"
-    return f"Color error ({over}): {errors}; visual noise: {noises}{more}."
+    matrix = f"the matrix {able[0].matrix.made_by}"
+    below = [
+        f"{a.sensor.label} {error:.1f} against {trade.least_color_error:.1f}"
+        for a in able
+        if (trade := trades.get(a.sensor.label)) is not None
+        and (error := mean_color_error(a)) is not None
+        and error < trade.least_color_error - _UNSEEN
+    ]
+    numbers = f"With {matrix}, color error ({over}): {errors}; visual noise: {noises}{more}."
+    if not below:
+        return [numbers]
+    return [numbers, f"{BELOW}: {listed(below)}. {_WHY_BELOW}"]
 
 
 def _above_the_least_db(analysis: Analysis, trade: TradeOff | None) -> float:

@@ -169,8 +169,8 @@ def print_analyses(analyses: Iterable[Analysis], *, whole_notes: bool = False) -
     for head in ("to x deg", "to y deg", "to z deg"):
         channels.add_column(head, justify="right")
     color = Table(
-        title=f"Spectrum and color (eq. 4-6; {metric}); color errors: mean Delta E*ab over the "
-        "chart",
+        title=f"Spectrum and color (eq. 4-6; {metric}); matrix: {_matrices(analyses)}; color "
+        "errors: mean Delta E*ab over the chart",
         title_justify="left",
     )
     for head in (
@@ -197,6 +197,10 @@ def print_analyses(analyses: Iterable[Analysis], *, whole_notes: bool = False) -
     console.print(color)
     angles = [(one.sensor.label, _angles(one)) for one in analyses]
     print_notes(notes, whole=whole_notes, details=[one for one in angles if one[1]])
+
+
+def _matrices(analyses: Sequence[Analysis]) -> str:
+    return ", ".join(dict.fromkeys(one.matrix.made_by for one in analyses))
 
 
 def print_comparison(

@@ -143,6 +143,7 @@ class MatrixMethod:
 
 DEFAULT_METHOD = "kernel"
 """Name of the color matrix that every result uses unless another is given."""
+_OTHER_SCALE = 2.0  # of the luminance of a white, from which a matrix gets a note
 _SAME_EXPOSURE = 1e-12  # relative; a matrix keeps its digits at the exposure for which it was made
 
 METHODS: Mapping[str, MatrixMethod] = {
@@ -458,7 +459,7 @@ def given_color_matrix(
         own = exposure.time_s * sensor.pixel.pitch_um**2 / exposure.f_number**2
         made_for = own if given.light_time is None else given.light_time
         scale = 1.0 if abs(made_for / own - 1) < _SAME_EXPOSURE else made_for / own
-        return replace(frame, matrix=values * scale)
+        return _with_scale_notes(replace(frame, matrix=values * scale), operating_point)
     white = white_scene(operating_point)
     white_e = expected_electrons(white, sensor, exposure)
     white_lux = scene_xyz(white, metric, operating_point.observer)
@@ -483,7 +484,8 @@ def given_color_matrix(
     if given.target == "sRGB":
         to_rgb = linear_srgb(np.eye(3), white_lux / white_lux[1]).T
         values = inv("sRGB of this white", to_rgb) @ values
-    return replace(frame, matrix=values * (white_lux[1] / white_e))
+    balanced = replace(frame, matrix=values * (white_lux[1] / white_e))
+    return _with_scale_notes(balanced, operating_point)
 
 
 def _notes(given: GivenMatrix, operating_point: OperatingPoint) -> tuple[str, ...]:
@@ -504,6 +506,20 @@ def _notes(given: GivenMatrix, operating_point: OperatingPoint) -> tuple[str, ..
             f"the matrix of {given.source} has rank {rank}: X, Y and Z are not independent"
         )
     return tuple(notes)
+
+
+def _with_scale_notes(made: ColorMatrix, operating_point: OperatingPoint) -> ColorMatrix:
+    """Noted where the white gets quite another luminance than it has: mostly a matter of units."""
+    white = white_scene(operating_point)
+    white_e = expected_electrons(white, operating_point.sensor, operating_point.exposure)
+    luminance_lux, level_lux = float(made.matrix[1] @ white_e), operating_point.level_lux
+    if not luminance_lux > 0 or 1 / _OTHER_SCALE < luminance_lux / level_lux < _OTHER_SCALE:
+        return made
+    note = (
+        f"the matrix makes {luminance_lux:.3g} lx of a perfect white of {level_lux:g} lx: check "
+        "its unit; SNR, color error and visual noise do not depend on this factor"
+    )
+    return replace(made, notes=(*made.notes, note))
 
 
 def _in_channel_order(given: GivenMatrix, names: tuple[str, ...]) -> Float[Array, "a b"]:

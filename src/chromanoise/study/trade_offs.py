@@ -34,12 +34,13 @@ from chromanoise.color import (
     balanced_cielab,
     cie1976_difference,
 )
-from chromanoise.metrics import balanced_truth, viewed_covariance
+from chromanoise.metrics import balanced_truth, optimal_linear_snr_db, viewed_covariance
 from chromanoise.noise import OperatingPoint, saturated, signal_limit_e, with_noise
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
 from chromanoise.study.color_noise import (
+    GRAY,
     PLANE,
     Viewing,
     noise_as_viewed,
@@ -271,6 +272,11 @@ class Standing:
         Of an 18 % gray as viewed. [CIELUV]
     behind_db
         That noise over the noise of the first sensor. [dB]
+    gray_snr_db
+        SNR of the best linear readout of that gray in all channels. [dB]
+    amplified_db
+        By how much more its matrix amplifies the noise than that of the first sensor: ``behind_db``
+        plus its ``gray_snr_db`` minus that of the first. [dB]
     color_error, least_color_error
         Of the matrix, and the least of all noise-aware matrices. [Delta E*ab]
     least_total_error
@@ -288,14 +294,16 @@ class Standing:
     KEYS: ClassVar[JsonKeys] = (
         "name",
         JsonKey("label", "sensor"),
-        *("visual_noise", "behind_db", "color_error", "least_color_error", "least_total_error"),
-        *("is_lost", "weight", "channels"),
+        *("visual_noise", "behind_db", "gray_snr_db", "amplified_db"),
+        *("color_error", "least_color_error", "least_total_error", "is_lost", "weight", "channels"),
     )
 
     name: str
     sensor: str
     visual_noise: float
     behind_db: float
+    gray_snr_db: float
+    amplified_db: float
     color_error: float
     least_color_error: float
     least_total_error: float
@@ -691,9 +699,11 @@ def equal_color(
             *_turns("light [lx]", lit, levels, None, first, changes_db),
             *_turns("color error [Delta E*ab]", errors, same, errors, first, changes_db),
         ]
+    snr_db = np.array([_gray_snr_db(one.point) for one in trades])
+    by_sensor_db = (behind_db, snr_db, behind_db + (snr_db - snr_db[first]))
     every = [
-        _standing(trade, least, colorless, float(db))
-        for trade, db in zip(trades, behind_db, strict=True)
+        _standing(trade, least, colorless, *(float(values_db[k]) for values_db in by_sensor_db))
+        for k, trade in enumerate(trades)
     ]
     return EqualColor(
         trade_offs=trades,
@@ -727,7 +737,14 @@ def _refuse_other_light(points: Sequence[OperatingPoint]) -> None:
             )
 
 
-def _standing(trade: TradeOff, least: float, colorless: float, behind_db: float) -> Standing:
+def _standing(
+    trade: TradeOff,
+    least: float,
+    colorless: float,
+    behind_db: float,
+    gray_snr_db: float,
+    amplified_db: float,
+) -> Standing:
     place = trade.place(least)
     assert place is not None  # the least error that all reach
     total, _ = trade.least_total_error()
@@ -736,6 +753,8 @@ def _standing(trade: TradeOff, least: float, colorless: float, behind_db: float)
         sensor=trade.point.sensor.label,
         visual_noise=trade.noise_at(place),
         behind_db=behind_db,
+        gray_snr_db=gray_snr_db,
+        amplified_db=amplified_db,
         color_error=trade.value_at(place, trade.color_error),
         least_color_error=trade.least_color_error,
         least_total_error=total,
@@ -744,6 +763,11 @@ def _standing(trade: TradeOff, least: float, colorless: float, behind_db: float)
         weight=trade.weight_at(place),
         channels=trade.channels_at(place),
     )
+
+
+def _gray_snr_db(point: OperatingPoint) -> float:
+    gray = with_noise(GRAY * electrons_at(point), point.sensor, point.exposure)
+    return float(optimal_linear_snr_db(gray))
 
 
 def _noises(trades: Sequence[TradeOff], color_error: float) -> Float[Array, " s"]:

@@ -359,7 +359,8 @@ def _merge_notes(points: list[Sorted]) -> tuple[str, ...]:
     unsorted = [p.name for p in points if p.unsorted]
     if unsorted:
         notes.append(f"rows sorted by wavelength: {', '.join(unsorted[:8])}")
-    merged = sum(p.merged for p in points)
-    if merged:
-        notes.append(f"{merged} repeated wavelengths merged to their mean")
+    merged = [p.merged for p in points]
+    if any(merged):
+        many = f"up to {max(merged)}" if len(set(merged)) > 1 else f"{merged[0]}"
+        notes.append(f"{many} repeated wavelengths merged to their mean")
     return tuple(notes)
