@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 import chromanoise as cn
 from chromanoise.base import InputError
 from chromanoise.charts import shown
-from chromanoise.charts.verdicts import BELOW, ranking
+from chromanoise.charts.verdicts import BELOW, TOTAL, ranking
 from chromanoise.color import NoiseAwareFamily, noise_aware, training_response, white_preserving
 from chromanoise.color.spaces import D65_WHITE, LAB, LUV
 from chromanoise.color.training import chart_training, smooth_training
@@ -253,7 +253,7 @@ def test_a_third_sensor_that_is_first_beyond_first_order_makes_a_tie():
         for standing in found.standings
     )
     visual, again, less = (
-        one.noise_beyond_first_order_at(one.place(found.at_color_error))[0]
+        one.noise_beyond_first_order_at(one.place(found.at_color_error)).visual
         for one in (best, second, third)
     )
     assert less < visual < again
@@ -267,7 +267,9 @@ def test_no_other_order_is_told_that_is_not_one_beyond_first_order():
     there = [trade_off(replace(one, level_lux=0.3)) for one in points]
     places = [one.place(max(two.least_color_error for two in there)) for one in there]
     first_order = [one.noise_at(at) for one, at in zip(there, places, strict=True)]
-    beyond = [one.noise_beyond_first_order_at(at)[0] for one, at in zip(there, places, strict=True)]
+    beyond = [
+        one.noise_beyond_first_order_at(at).visual for one, at in zip(there, places, strict=True)
+    ]
     assert (first_order[0] > first_order[1], beyond[0] < beyond[1]) == (True, True)
 
 
@@ -480,6 +482,16 @@ def test_the_reason_is_the_noise_of_a_gray_before_the_matrix_and_what_the_matrix
     rgbw = next(one for one in others if one.name == "onyx-rgbw")
     assert rgbw.gray_snr_db > first.gray_snr_db  # the paper: the better raw signal ...
     assert rgbw.amplified_db > 10.0  # ... and the noisier color
+
+
+@pytest.mark.parametrize("names", [PAIR, ("onyx-rgb-ircut", "onyx-rgbw-ircut")])
+def test_the_verdict_names_who_has_the_least_error_and_noise_together_or_all_who_are_near(names):
+    verdict = cn.analyze(*names, lux=10.0, time_ms=11.94).verdict
+    (told,) = [one for one in verdict.sentences if f"{TOTAL} (" in one]
+    totals = {one.name: one.least_total_error for one in verdict.at_equal_color.standings}
+    near = {name for name, one in totals.items() if one < min(totals.values()) + 0.5}
+    before = told.partition(" ha")[0]
+    assert {name for name in names if name in before.split()} == near
 
 
 @pytest.mark.parametrize(("matrix", "is_below"), [("least-squares", True), ("kernel", False)])

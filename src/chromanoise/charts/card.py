@@ -42,7 +42,7 @@ from chromanoise.charts.levels import curves_chart, drawn_lux
 from chromanoise.charts.numbers import NONE, brief, decimal, listed
 from chromanoise.charts.result_figures import draw_picture
 from chromanoise.charts.sensitivities import sensitivities_chart
-from chromanoise.charts.verdicts import NOT_COMPARED, WHY, verdict_of
+from chromanoise.charts.verdicts import NOT_COMPARED, TOTAL, WHY, verdict_of
 from chromanoise.imaging import Work, camera_for
 from chromanoise.imaging.denoising import captured_with
 from chromanoise.noise import conditions, level_in_words
@@ -69,6 +69,7 @@ ENDINGS = ("pdf", "svg", "png", "html")
 _SMALLEST_PT = 9.0
 _MARKS = (  # of the sentences on the card, beside the first and those on saturation
     WHY,
+    f"{TOTAL} (",
     NOT_COMPARED,
     "; with the matrix ",  # that of the study
     "of luminance SNR for an eye",  # of the one sensor that is not saturated
@@ -94,8 +95,8 @@ class Card:
     of
         The study with its results.
     verdict
-        Its verdict; the card shows its first sentence, the reasons, the one on the matrix, and who
-        is saturated or not compared.
+        Its verdict; the card shows its first sentence, the reasons, the total color errors, the
+        sentence on the matrix, and who is saturated or not compared.
     shown
         Indices of the sensors with a picture: the first two by the verdict.
     pictures

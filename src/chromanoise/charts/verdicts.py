@@ -25,6 +25,7 @@ from chromanoise.study import (
     BRIGHT,
     DARK,
     DEFAULT_PRIOR,
+    HARDLY_SEEN,
     LEAST_TIE_DB,
     RAW,
     RAW_WITHOUT,
@@ -376,6 +377,8 @@ NOT_COMPARED = "is not compared at equal color error"
 BELOW = "That is less color error than every compared matrix has"
 """Of the sentence on a matrix that is not of the compared family, with its reason."""
 _WHY_BELOW = "The compared ones keep the white and are trained on X, Y and Z, not on color errors."
+TOTAL = "total color error as viewed"
+"""Name of color error and noise together, in sentences."""
 _MOST_REASONS = 4  # sensors behind the first whose reason is told
 _UNSEEN = 0.05  # a difference of color errors that one decimal does not show [Delta E*ab]
 _WORTH_DB = 0.3  # least loss of a cause that is reported
@@ -572,7 +575,8 @@ def _at_equal_color(setting: str, found: EqualColor, able: Collection[str]) -> l
     if every:
         return [f"{setting} {gone}", first, *_whys(best, behind), *left_out, *_turns(found)]
     some = [f"{gone[0].upper()}{gone[1:]}"] if lost else []
-    return [f"{setting} {first}", *_whys(best, behind), *some, *left_out, *_turns(found)]
+    reasons = _whys(best, behind)
+    return [f"{setting} {first}", *reasons, _totals(found), *some, *left_out, *_turns(found)]
 
 
 def _whys(best: Standing, behind: Sequence[Standing]) -> list[str]:
@@ -590,6 +594,22 @@ def _whys(best: Standing, behind: Sequence[Standing]) -> list[str]:
             amplified = f"of which its matrix gains back {-amplified_db:.1f} dB"
         parts.append(f"{one.sensor} has {raw}, {amplified}")
     return [f"{WHY} on an 18 % gray, {'; '.join(parts)}."] if parts else []
+
+
+def _totals(found: EqualColor) -> str:
+    """The order by color error and noise together."""
+    best, *others = sorted(found.standings, key=lambda one: one.least_total_error)
+    close = [o for o in others if o.least_total_error - best.least_total_error < HARDLY_SEEN]
+    behind = [o for o in others if o not in close]
+    what = f"least {TOTAL} (error and noise together)"
+    own = listed([_number(one.least_total_error) for one in (best, *close)])
+    against = listed([f"{_number(one.least_total_error)} for {one.sensor}" for one in behind])
+    if close:
+        start = f"{listed([one.sensor for one in (best, *close)])} have about the same {what}"
+    else:
+        too = ", too" if best is found.standings[0] and not found.is_tie else ""
+        start = f"{best.sensor} has the {what}{too}"
+    return f"{start}: {own} ΔE*ab{f', against {against}' if against else ''}."
 
 
 def _more(db: float) -> str:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -183,17 +183,31 @@ def _of_gray(space: Space) -> Float[Array, "3 3"]:
     return space.jacobian(np.full(3, GRAY), np.ones(3))
 
 
+class NoiseByTwoMeasures(NamedTuple):
+    """Noise of an 18 % gray as viewed, by two measures.
+
+    Attributes
+    ----------
+    visual
+        Visual noise. [CIELUV]
+    scielab
+        Mean distance from its mean color after the filters of S-CIELAB. [Delta E*ab]
+    """
+
+    visual: float
+    scielab: float
+
+
 def noise_beyond_first_order(
     white_e: Float[Array, " p"],
     sensor: Sensor,
     exposure: Exposure,
     matrix: Float[Array, "3 p"],
     viewing: Viewing,
-) -> tuple[float, float]:
+) -> NoiseByTwoMeasures:
     """Noise of an 18 % gray whose X, Y, Z as viewed are jointly normal, beyond first order.
 
-    Its visual noise [CIELUV], and the mean distance from its mean color after the filters of
-    S-CIELAB [Delta E*ab], as the gray is seen on a display whose white is D65.
+    S-CIELAB sees the gray on a display whose white is D65.
 
     Parameters
     ----------
@@ -216,9 +230,9 @@ def noise_beyond_first_order(
     )
     luv_variance = rule.weights @ np.square(luv - rule.weights @ luv)
     distance = np.linalg.norm(lab - rule.weights @ lab, axis=-1)
-    return (
-        float(np.sqrt(luv_variance) @ ISO_15739_2017.weights),
-        float(rule.weights @ distance),
+    return NoiseByTwoMeasures(
+        visual=float(np.sqrt(luv_variance) @ ISO_15739_2017.weights),
+        scielab=float(rule.weights @ distance),
     )
 
 

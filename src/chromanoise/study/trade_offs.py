@@ -42,6 +42,7 @@ from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
 from chromanoise.study.color_noise import (
     GRAY,
     PLANE,
+    NoiseByTwoMeasures,
     Viewing,
     noise_as_viewed,
     noise_beyond_first_order,
@@ -49,13 +50,14 @@ from chromanoise.study.color_noise import (
 
 LEAST_TIE_DB = 0.05
 """A margin that one decimal does not show is a tie. [dB]"""
+HARDLY_SEEN = 0.5
+"""A difference of color errors. [Delta E*ab]"""
 _SECOND_PRIOR = "smooth-50-nir"  # its margin must agree with that of the prior of the study
 _LEVELS_LUX = tuple(float(one) for one in np.geomspace(0.01, 1000.0, 6))
 _COLORS = 3  # fewest independent channels from which X, Y and Z can be made
 _MOST_SUBSETS = 5  # channels of which all subsets are tried
 _ROUNDING = 1e-9  # of a color error, relative
 _STRIDE = 4  # of the matrices whose total error is computed first
-_UNSEEN = 0.5  # a difference of color errors that is hardly seen [Delta E*ab]
 _PALE = 1.0  # mean chroma of a chart without colors
 _ERRORS = 17  # color errors at which the order is checked
 _PER_DECADE, _COARSE = 12, 4  # weights of the noise, at the own light level and at others
@@ -218,10 +220,8 @@ class TradeOff:
         """
         return float(np.interp(place, np.arange(values.size), values))
 
-    def noise_beyond_first_order_at(self, place: float) -> tuple[float, float]:
-        """Noise of the gray at a place, beyond first order. [CIELUV, Delta E*ab]
-
-        Its visual noise, and its noise by S-CIELAB.
+    def noise_beyond_first_order_at(self, place: float) -> NoiseByTwoMeasures:
+        """Noise of the gray at a place, beyond first order.
 
         Parameters
         ----------
@@ -794,7 +794,7 @@ def _again_db(
     able = [  # one that has no trade-off with it keeps its own
         two if isinstance(two, TradeOff) else one for one, two in zip(trades, again, strict=True)
     ]
-    more = _noises(trades, min(least + _UNSEEN, most))
+    more = _noises(trades, min(least + HARDLY_SEEN, most))
     noise = np.stack([_noises_at_least_error(able), more, *_noises_beyond(trades, least)])
     return decibel(noise / noise[:, [first]])
 
@@ -804,7 +804,9 @@ def _noises_beyond(trades: Sequence[TradeOff], color_error: float) -> Float[Arra
     places = [(one, one.place(color_error)) for one in trades]
     return np.transpose(
         [
-            (math.nan, math.nan) if at is None else one.noise_beyond_first_order_at(at)
+            NoiseByTwoMeasures(math.nan, math.nan)
+            if at is None
+            else one.noise_beyond_first_order_at(at)
             for one, at in places
         ]
     )
