@@ -888,9 +888,9 @@ def test_equal_sensors_are_told_apart_and_level():
     study = study_of("onyx-rgbw")
     of = shown(study, operating_points=operating_points_of(study) * 2)
     assert [s.sensor.name for s in of.operating_points] == ["onyx-rgbw", "onyx-rgbw (2)"]
-    first, chosen, *_ = drawing("head", of)["verdict"]
+    first, *others = drawing("head", of)["verdict"]
     assert "onyx-rgbw and onyx-rgbw (2) tie in visual noise at equal color error" in first
-    assert "onyx-rgbw has the same raw SNR as onyx-rgbw (2)" in chosen
+    (chosen,) = [one for one in others if "same raw SNR as onyx-rgbw (2)" in one]
     assert "it has the same luminance SNR" in chosen
 
 

@@ -7,10 +7,10 @@ the color errors are equal: at the least error that all sensors reach.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from itertools import combinations, groupby
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -54,6 +54,7 @@ HARDLY_SEEN = 0.5
 """A difference of color errors. [Delta E*ab]"""
 _SECOND_PRIOR = "smooth-50-nir"  # its margin must agree with that of the prior of the study
 _LEVELS_LUX = tuple(float(one) for one in np.geomspace(0.01, 1000.0, 6))
+_ANY_LUX = 1.0  # of what is scaled to each of the levels
 _COLORS = 3  # fewest independent channels from which X, Y and Z can be made
 _MOST_SUBSETS = 5  # channels of which all subsets are tried
 _ROUNDING = 1e-9  # of a color error, relative
@@ -828,16 +829,28 @@ def _tells_colors(trade: TradeOff) -> bool:
 
 def _by_light(trades: Sequence[TradeOff], prior: str | Spectra) -> dict[float, Sequence[TradeOff]]:
     """The trade-offs at each level at which no sensor is saturated."""
-    here = trades[0].point.level_lux
-    fullest = min(_fullest_lux(one.point) for one in trades)
-    others = [one for one in {*_LEVELS_LUX, fullest} if one != here and one <= fullest]
-    along = [_along_light(one.point, others, prior, one.viewing, _COARSE) for one in trades]
-    found = {here: trades}
-    for level, *there in zip(others, *along, strict=True):
+    points = [replace(one.point, level_lux=_ANY_LUX, pairs=None) for one in trades]
+    fullest = min(_fullest_lux(one) for one in points)
+    levels = tuple(sorted({*(one for one in _LEVELS_LUX if one <= fullest), fullest}))
+    along = [
+        _lit(tuple(getattr(one, each.name) for each in fields(one)), levels, prior, trade.viewing)
+        for one, trade in zip(points, trades, strict=True)
+    ]
+    found: dict[float, Sequence[TradeOff]] = {}
+    for level, *there in zip(levels, *along, strict=True):
         able = [one for one in there if isinstance(one, TradeOff)]
         if len(able) == len(trades):
             found[level] = able
-    return found
+    return found | {trades[0].point.level_lux: trades}
+
+
+@lru_cache(maxsize=16)  # sensors by identity: while only the level moves, they are the same
+def _lit(
+    point: tuple[Any, ...], levels_lux: tuple[float, ...], prior: str | Spectra, viewing: Viewing
+) -> list[TradeOff | str]:
+    names = (one.name for one in fields(OperatingPoint))
+    dark = OperatingPoint(**dict(zip(names, point, strict=True)))
+    return _along_light(dark, levels_lux, prior, viewing, _COARSE)
 
 
 def _fullest_lux(point: OperatingPoint) -> float:
