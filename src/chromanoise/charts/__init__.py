@@ -94,6 +94,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.charts.verdicts import (
         machine_tables as machine_tables,
+        matrices_in_words,
         sensor_values,
         verdict_of as verdict_of,
         verdict_sentences as verdict_sentences,

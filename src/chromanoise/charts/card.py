@@ -42,23 +42,24 @@ from chromanoise.charts.levels import curves_chart, drawn_lux
 from chromanoise.charts.numbers import NONE, brief, decimal, listed
 from chromanoise.charts.result_figures import draw_picture
 from chromanoise.charts.sensitivities import sensitivities_chart
-from chromanoise.charts.verdicts import NOT_COMPARED, TOTAL, WHY, verdict_of
+from chromanoise.charts.verdicts import matrices_in_words, verdict_of
 from chromanoise.imaging import Work, camera_for
 from chromanoise.imaging.denoising import captured_with
-from chromanoise.noise import conditions, level_in_words
+from chromanoise.noise import conditions, level_in_words, saturated
 from chromanoise.spectra import checker_cube
 from chromanoise.study import (
     QUANTITIES,
     Analysis,
     PicturePart,
+    Reader,
     Verdict,
     capture_settings_of,
     color_snr_db,
     compared,
-    defined,
+    electrons_at,
     fullest_level_lux,
     mean_color_error,
-    visual_noise,
+    visual_noise_of,
 )
 
 Paper = Literal["16:9", "a4"]
@@ -67,13 +68,10 @@ PAPERS_IN: Mapping[Paper, tuple[float, float]] = {"16:9": (40 / 3, 7.5), "a4": (
 MOST_ON_CARD = 5
 ENDINGS = ("pdf", "svg", "png", "html")
 _SMALLEST_PT = 9.0
-_MARKS = (  # of the sentences on the card, beside the first and those on saturation
-    WHY,
-    f"{TOTAL} (",
-    NOT_COMPARED,
-    "; with the matrix ",  # that of the study
-    "of luminance SNR for an eye",  # of the one sensor that is not saturated
-)
+_ABOUT: Mapping[Reader, frozenset[str]] = {  # the sentences on the card, beside the first
+    "eye": frozenset({"winner", "excluded", "why", "total", "lost", "matrix", "alone"}),
+    "machine": frozenset({"winner", "excluded", "matrix", "alone"}),
+}
 _PIXELS = 1920  # across
 _EDGE_IN = 0.14
 _PLACES = 5  # of a place, as a share of the figure
@@ -123,10 +121,9 @@ class Card:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Those of the verdict that are on the card."""
-        first, *others = self.verdict.sentences
-        full = [f"{saturation_sentence(one)}." for one in self.of.analyses]
-        kept = [one for one in others if one in full or any(mark in one for mark in _MARKS)]
-        return (first, *kept)
+        first, *others = self.verdict.told
+        kept = _ABOUT[self.verdict.reader]
+        return (first.text, *(one.text for one in others if one.about in kept))
 
     @property
     def footer(self) -> str:
@@ -147,7 +144,7 @@ class Card:
         prior = Path(self.of.study.prior.removeprefix("object:")).name
         settings = (
             conditions(self.of.operating_points),
-            f"matrix {self.of.analyses[0].matrix.made_by}, prior {prior}",
+            f"matrix {matrices_in_words(self.of.analyses)}, prior {prior}",
             f"chromanoise {__version__}",
         )
         return "; ".join([*each, *settings])
@@ -266,7 +263,7 @@ def card_of(of: Shown, *, paper: Paper = "16:9", work: Work | None = None) -> Ca
     pictures: list[UInt8[Array, "h w 3"] | None] = []
     for i in shown:
         point = of.operating_points[i]
-        if of.analyses[i].saturated.any():
+        if saturated(electrons_at(point), point.sensor, point.exposure).any():
             pictures.append(None)
             continue
         camera = camera_for(crop, point, of.analyses[i].matrix, settings)
@@ -282,12 +279,12 @@ def _names(of: Shown) -> list[str]:
 
 def _ranked(of: Shown, verdict: Verdict) -> list[int]:
     """The sensors from best to worst: by the verdict, then by their SNR of Y."""
-    names = [one.sensor for one in verdict.at_equal_color.standings]
+    names = [one.name for one in verdict.at_equal_color.standings]
     names = list(dict.fromkeys([*filter(None, [verdict.winner]), *names]))  # of a machine, too
 
     def place(i: int) -> tuple[int, float]:
-        label, snr = of.analyses[i].sensor.label, color_snr_db(of.analyses[i])["Y"]
-        rank = names.index(label) if label in names else len(names)
+        name, snr = of.analyses[i].sensor.name, color_snr_db(of.analyses[i])["Y"]
+        rank = names.index(name) if name in names else len(names)
         return rank, -(-math.inf if snr is None else snr)
 
     return sorted(range(len(of.analyses)), key=place)
@@ -507,7 +504,7 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
 
 def _some(card: Card) -> str:
     count = len(card.of.analyses)
-    return f": two of {count} sensors" if count > len(card.shown) else ""
+    return f": {len(card.shown)} of {count} sensors" if count > len(card.shown) else ""
 
 
 def _draw_pictures(card: Card, part: SubFigure, *, columns: int) -> None:
@@ -540,14 +537,14 @@ def _draw_patches(card: Card, part: SubFigure) -> None:
         for i, analysis in enumerate(card.of.analyses):
             reason = (saturation_sentence(analysis) or "").partition(": ")[2].partition(";")[0]
             ax.text(0, 1 + i, reason, va="center")
-    of_all = f"matrix of charts and pictures: {card.of.analyses[0].matrix.made_by}"
-    _heading(part, f"Color error of each patch [ΔE*ab, without noise]; {of_all}")
+    what = "with the matrix of the last line, as budgets and pictures"
+    _heading(part, f"Color error of each patch [ΔE*ab, without noise], {what}")
 
 
 def _color(analysis: Analysis) -> str:
     if analysis.saturated.any():
         return "saturated"
-    noise = defined(visual_noise(analysis.point, analysis.matrix))
+    noise = visual_noise_of(analysis)
     error = mean_color_error(analysis)
     seen = NONE if noise is None else brief(noise, 3)
     return f"mean {decimal(error)}, visual noise {seen}"

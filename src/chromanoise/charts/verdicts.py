@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from itertools import chain
 from typing import Any
 
 from chromanoise.base import check
@@ -40,6 +39,7 @@ from chromanoise.study import (
     RawOutcome,
     Reader,
     Standing,
+    Told,
     TradeOff,
     Verdict,
     assumptions,
@@ -369,18 +369,8 @@ def _raw_db(analysis: Analysis) -> float:
     return math.inf if best is None else best
 
 
-_TIE_DB = LEAST_TIE_DB
-WHY = "Why:"
-"""First word of the sentence on the reasons of the visual noise."""
-NOT_COMPARED = "is not compared at equal color error"
-"""Of the sentence on a sensor without a trade-off."""
-BELOW = "That is less color error than every compared matrix has"
-"""Of the sentence on a matrix that is not of the compared family, with its reason."""
-_WHY_BELOW = "The compared ones keep the white and are trained on X, Y and Z, not on color errors."
-TOTAL = "total color error as viewed"
-"""Name of color error and noise together, in sentences."""
 _MOST_REASONS = 4  # sensors behind the first whose reason is told
-_UNSEEN = 0.05  # a difference of color errors that one decimal does not show [Delta E*ab]
+_UNSEEN_DELTA_E = 0.05  # a difference of color errors that one decimal does not show [Delta E*ab]
 _WORTH_DB = 0.3  # least loss of a cause that is reported
 _GLOSSES = {  # of bars of the budget whose label is a word of its own
     WEIGHTS: "weights that make Y of the channels",
@@ -393,8 +383,8 @@ _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
 _TERMS: Mapping[str, str] = {
     "exposure": "",
-    "saturation": " with each sensor exposed to the same share of full well,",
-    "light": " with the same photons on all channels of each sensor together,",
+    "saturation": " with the same share of full well on each sensor,",
+    "light": " with the same number of photons on each sensor,",
 }
 
 
@@ -415,7 +405,7 @@ def _verdict(
         margin_db=margin_db,
         at_color_error=None if reader == "machine" else found.at_color_error,
         reader=reader,
-        sentences=tuple(_sentences(analyses, found, read, equal, reader, prior)),
+        told=tuple(_told(analyses, found, read, equal, reader, prior)),
         prior=prior if isinstance(prior, str) else prior.source,
         at_equal_color=found,
     )
@@ -477,154 +467,172 @@ def verdict_sentences(
     return list(verdict_of(analyses, equal=equal, reader=reader, prior=prior).sentences)
 
 
-def _sentences(
+def _told(
     analyses: Sequence[Analysis],
     found: EqualColor,
     read: Sequence[_Read],
     equal: str,
     reader: Reader,
     prior: str | Spectra,
-) -> list[str]:
-    left_out = [sentence for a in analyses if (sentence := _left_out(a))]
-    able = [a for a in analyses if _left_out(a) is None]
+) -> list[Told]:
+    excluded = [Told("excluded", text) for a in analyses if (text := _excluded(a))]
+    rest = [a for a in analyses if _excluded(a) is None]
+    able = [a for a in rest if color_snr_db(a)["Y"] is not None]
     lost = {one.sensor for one in found.standings if one.is_lost}
     noisy = [_too_noisy(a, prior) for a in able if a.sensor.label not in lost]
-    sentences = [*left_out, *filter(None, noisy)]
-    machine = _machine_sentences(analyses, read)
-    if left_out and len(able) < 2 and not (machine and reader == "machine"):
-        alone = [_alone(a) for a in able]
-        first = f"{_setting(analyses, equal)} {sentences[0]}"
-        return [first, *left_out[1:], *alone, *sentences[len(left_out) :], *machine]
-    if reader == "machine":
-        opening = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine[:1]]
-        return [*opening, *machine[1:], *_for_an_eye(analyses, able, sentences, equal, found)]
-    return _for_an_eye(analyses, able, [*machine, *sentences], equal, found)
+    machine = [Told("machine", text) for text in _machine_sentences(analyses, read)]
+    eye = _at_equal_color(found, {a.sensor.label for a in rest}) if len(rest) > 1 else []
+    after = [
+        *([Told("alone", _alone(able[0]))] if len(able) == 1 else []),
+        *(_with_the_matrix(able, found) if len(able) > 1 else []),
+        *(_without_luminance(a) for a in rest if a not in able),
+    ]
+    noise = [Told("lost", text) for text in noisy if text]
+    if reader == "machine" and machine:
+        opening, *others = machine
+        if eye:
+            eye[0] = Told(eye[0].about, f"For an eye, {_lower(eye[0])}")
+        told = [opening, *excluded, *others, *eye, *after, *noise]
+    elif eye:
+        told = [eye[0], *excluded, *eye[1:], *after, *machine, *noise]
+    else:
+        told = [*excluded, *after, *noise, *machine]
+    first = f"{_setting(analyses, equal)} {_lower(told[0])}"
+    return [Told(told[0].about, first), *told[1:]]
 
 
-def _lower(sentence: str) -> str:
-    return sentence[0].lower() + sentence[1:]
+def _lower(told: Told) -> str:
+    """The text inside of a sentence: those that begin with a name keep it."""
+    names = ("winner", "excluded", "alone")
+    return told.text if told.about in names else told.text[0].lower() + told.text[1:]
 
 
-def _for_an_eye(
-    analyses: Sequence[Analysis],
-    able: list[Analysis],
-    sentences: list[str],
-    equal: str,
-    found: EqualColor,
-) -> list[str]:
-    if len(able) == 1:
-        sentences.insert(0, f"{_setting(analyses, equal)} {_alone(able[0])}")
-    if len(able) < 2:
-        return sentences
+def _with_the_matrix(able: Sequence[Analysis], found: EqualColor) -> list[Told]:
+    """What the matrix of the analyses gives."""
     compared = {one.sensor for one in found.standings}
-    rivals = [a for a in able if a.sensor.label in compared] or able
+    rivals = [a for a in able if a.sensor.label in compared]
+    rivals = rivals if len(rivals) > 1 else list(able)
     best_raw = max(rivals, key=_raw_db)
     best_color = max(rivals, key=_known_luminance_db)
-    if abs(_known_luminance_db(best_raw) - _known_luminance_db(best_color)) < _TIE_DB:
+    if abs(_known_luminance_db(best_raw) - _known_luminance_db(best_color)) < LEAST_TIE_DB:
         best_color = best_raw  # equal: the leader in raw is named once
     others = [a for a in rivals if a is not best_color]
     rival = best_raw if best_raw is not best_color else max(others, key=_known_luminance_db)
     return [
-        *_at_equal_color(_setting(analyses, equal), found, {one.sensor.label for one in able}),
-        _contest(best_color, rival, best_raw),
-        *_another_order(found, rivals),
-        *_reasons(best_color, rival),
-        *_colors(able, found),
-        *sentences,
+        Told("matrix", _contest(best_color, rival, best_raw)),
+        *(Told("matrix order", text) for text in _another_order(found, rivals)),
+        *(Told("matrix why", text) for text in _reasons(best_color, rival)),
+        *(Told("matrix colors", text) for text in _colors(able, found)),
     ]
 
 
-def _at_equal_color(setting: str, found: EqualColor, able: Collection[str]) -> list[str]:
-    """The winner at equal color error, whether color is lost, and where the order turns."""
+def _at_equal_color(found: EqualColor, able: Collection[str]) -> list[Told]:
+    """The winner at equal color error, the reason, whether color is lost, where the order turns."""
     left_out = [
-        f"{one.sensor} {NOT_COMPARED}: {one.why}." for one in found.left_out if one.sensor in able
+        Told("excluded", f"{one.sensor} is not compared at equal color error: {one.why}.")
+        for one in found.left_out
+        if one.sensor in able
     ]
     if not found.standings:
-        return [f"{setting} no two sensors can be compared at equal color error.", *left_out]
+        return [Told("lost", "No two sensors can be compared at equal color error."), *left_out]
     best, *others = found.standings
-    at = f"at equal color error ({found.at_color_error:.1f} ΔE*ab, each with its best matrix)"
-    lost = [one for one in found.standings if one.is_lost]
-    every = len(lost) == len(found.standings)
-    who = "each sensor" if every else listed([one.sensor for one in lost])
-    totals = listed([f"{_number(one.least_total_error)} ({one.sensor})" for one in lost])
-    gone = (
-        f"color is lost in the noise of {who}: the least total color error as viewed is {totals}; "
-        f"a gray picture without noise has {_number(found.colorless_error)} ΔE*ab."
-    )
     tied = [one for one in others if one.behind_db <= (found.tie_db or 0.0)]
     behind = [one for one in others if one not in tied]
-    if tied:
-        names = listed([one.sensor for one in (best, *tied)])
-        apart = f"they differ by less than {LEAST_TIE_DB:g} dB"
-        if max(found.tie_db or 0.0, tied[-1].behind_db) > LEAST_TIE_DB:
-            apart = (
-                f"a difference of {tied[-1].behind_db:.1f} dB, where training set, color error and "
-                f"measure of noise change {found.tie_db:.1f} dB"
-            )
-        more = listed([f"{one.sensor} has {one.behind_db:.1f} dB more" for one in behind])
-        first = f"{names} tie in visual noise {at}: {apart}{'; ' if more else ''}{more}."
-    else:
-        less = listed(
-            [
-                f"{one.behind_db:.1f} dB less than {one.sensor} ({_number(best.visual_noise)} "
-                f"against {_number(one.visual_noise)})"
-                for one in behind
-            ]
+    lost = [Told("lost", text) for text in _lost(found)]
+    first = Told("winner", _first(found, tied, behind))
+    why = [Told("why", text) for text in _whys(best, behind)]
+    turns = [Told("turns", text) for text in _turns(found)]
+    total = [Told("total", _totals(found))]
+    if all(one.is_lost for one in found.standings):
+        return [*lost, first, *why, *left_out, *turns]
+    return [first, *why, *total, *lost, *left_out, *turns]
+
+
+def _first(found: EqualColor, tied: Sequence[Standing], behind: Sequence[Standing]) -> str:
+    best = found.standings[0]
+    at = f"at equal color error ({found.at_color_error:.1f} ΔE*ab, noise-aware matrices)"
+    if not tied:
+        less = [
+            f"{one.behind_db:.1f} dB less than {one.sensor} ({_number(best.visual_noise)} against "
+            f"{_number(one.visual_noise)})"
+            for one in behind
+        ]
+        return f"{best.sensor} has the least visual noise {at}: {listed(less)}."
+    names = listed([one.sensor for one in (best, *tied)])
+    apart = f"they differ by less than {LEAST_TIE_DB:g} dB"
+    if max(found.tie_db or 0.0, tied[-1].behind_db) > LEAST_TIE_DB:
+        apart = (
+            f"they differ by {tied[-1].behind_db:.1f} dB, and another training set, color error or "
+            f"measure of noise shifts this by {found.tie_db:.1f} dB"
         )
-        first = f"{best.sensor} has the least visual noise {at}: {less}."
-    if every:
-        return [f"{setting} {gone}", first, *_whys(best, behind), *left_out, *_turns(found)]
-    some = [f"{gone[0].upper()}{gone[1:]}"] if lost else []
-    reasons = _whys(best, behind)
-    return [f"{setting} {first}", *reasons, _totals(found), *some, *left_out, *_turns(found)]
+    more = listed([f"{one.sensor} has {one.behind_db:.1f} dB more" for one in behind])
+    return f"{names} tie in visual noise {at}: {apart}{'; ' if more else ''}{more}."
 
 
 def _whys(best: Standing, behind: Sequence[Standing]) -> list[str]:
-    """Noise of the gray in the raw channels, and what each matrix makes of it: the sum is told."""
+    """Noise of the gray in the raw channels, and what each matrix loses: their sum is told."""
     parts = []
     for one in behind[:_MOST_REASONS]:
-        raw_db, amplified_db = one.gray_snr_db - best.gray_snr_db, one.amplified_db
-        raw = "the same raw SNR" if abs(raw_db) < _TIE_DB else f"{_more(raw_db)} raw SNR"
-        amplified = f"{'but' if raw_db >= _TIE_DB else 'and'} its matrix amplifies the noise"
-        if abs(amplified_db) < _TIE_DB:
-            amplified = f"{amplified} as much"
-        elif amplified_db > 0:
-            amplified = f"{amplified} by {_more(amplified_db)}"
-        else:
-            amplified = f"of which its matrix gains back {-amplified_db:.1f} dB"
-        parts.append(f"{one.sensor} has {raw}, {amplified}")
-    return [f"{WHY} on an 18 % gray, {'; '.join(parts)}."] if parts else []
-
-
-def _totals(found: EqualColor) -> str:
-    """The order by color error and noise together."""
-    best, *others = sorted(found.standings, key=lambda one: one.least_total_error)
-    close = [o for o in others if o.least_total_error - best.least_total_error < HARDLY_SEEN]
-    behind = [o for o in others if o not in close]
-    what = f"least {TOTAL} (error and noise together)"
-    own = listed([_number(one.least_total_error) for one in (best, *close)])
-    against = listed([f"{_number(one.least_total_error)} for {one.sensor}" for one in behind])
-    if close:
-        start = f"{listed([one.sensor for one in (best, *close)])} have about the same {what}"
-    else:
-        too = ", too" if best is found.standings[0] and not found.is_tie else ""
-        start = f"{best.sensor} has the {what}{too}"
-    return f"{start}: {own} ΔE*ab{f', against {against}' if against else ''}."
+        raw_db, lost_db = one.gray_snr_db - best.gray_snr_db, one.lost_in_matrix_db
+        raw = "the same raw SNR" if abs(raw_db) < LEAST_TIE_DB else f"{_more(raw_db)} raw SNR"
+        lost = "as much" if abs(lost_db) < LEAST_TIE_DB else _more(lost_db)
+        link = "but" if raw_db >= LEAST_TIE_DB else "and"
+        parts.append(f"{one.sensor} has {raw} {link} loses {lost} in its color matrix")
+    return [f"Why: on an 18 % gray, against {best.sensor}, {'; '.join(parts)}."] if parts else []
 
 
 def _more(db: float) -> str:
     return f"{abs(db):.1f} dB {'more' if db > 0 else 'less'}"
 
 
+def _totals(found: EqualColor) -> str:
+    """The order by color error and noise together."""
+    best, *others = sorted(found.standings, key=lambda one: one.least_total_error)
+    near = best.least_total_error + HARDLY_SEEN
+    close = [best, *(one for one in others if one.least_total_error < near)]
+    leads = f"{listed([one.sensor for one in close])} are about equal"
+    if len(close) == 1:
+        too = ", too" if best is found.standings[0] and not found.is_tie else ""
+        leads = f"{best.sensor} leads{too}"
+    own = listed([_number(one.least_total_error) for one in close])
+    behind = [
+        f"{_number(one.least_total_error)} for {one.sensor}" for one in others if one not in close
+    ]
+    against = f", against {listed(behind)}" if behind else ""
+    return (
+        "With the matrices of least total color error as viewed (color and noise together), "
+        f"{leads}: {own} ΔE*ab{against}."
+    )
+
+
+def _lost(found: EqualColor) -> list[str]:
+    """Whose color is lost in the noise."""
+    lost = [one for one in found.standings if one.is_lost]
+    if not lost:
+        return []
+    every = len(lost) == len(found.standings)
+    who = "each sensor" if every else listed([one.sensor for one in lost])
+    one_has = "its least total color error as viewed is"
+    have = one_has if len(lost) == 1 else "their least total color errors as viewed are"
+    totals = listed([_number(one.least_total_error) for one in lost])
+    return [
+        f"Color is lost in the noise of {who}: {have} {totals} ΔE*ab; a gray picture without noise "
+        f"has {_number(found.colorless_error)} ΔE*ab."
+    ]
+
+
 def _turns(found: EqualColor) -> list[str]:
-    """Where another sensor has less noise, or that the first has the least everywhere."""
+    """Where another sensor has less noise, or that none has clearly less anywhere."""
     (low_lux, high_lux), (least, most) = found.levels_lux, found.errors or (0.0, 0.0)
     first = found.standings[0].sensor
     if not found.turns:
         if found.is_tie:
             return []
-        light = f"from {_lux(low_lux)} to {_lux(high_lux)}" if high_lux > low_lux else "here"
-        return [f"{first} has the least {light}, and at each color error up to {most:.1f} ΔE*ab."]
+        light = f"at light levels from {_lux(low_lux)} to {_lux(high_lux)}, or "
+        return [
+            f"No other sensor leads clearly {light if high_lux > low_lux else ''}at color errors "
+            f"up to {most:.1f} ΔE*ab."
+        ]
     sentences = []
     for one in found.turns:
         of_light = one.over == "light [lx]"
@@ -649,16 +657,21 @@ def _another_order(found: EqualColor, able: Sequence[Analysis]) -> list[str]:
     """That this matrix gives another order of visual noise, and why; empty where it does not."""
     noises = {one.sensor.label: visual_noise_of(one) for one in able}
     known = {name: noise for name, noise in noises.items() if noise is not None}
-    if found.is_tie or len(known) < 2 or len(known) < len(found.standings):
+    if len(known) < 2 or len(known) < len(found.standings):
         return []
     least = min(known, key=lambda name: known[name])
     first = found.standings[0].sensor if found.standings else least
-    if least == first or 20 * math.log10(known[first] / known[least]) < _TIE_DB:
+    if least == first or 20 * math.log10(known[first] / known[least]) < LEAST_TIE_DB:
         return []
-    errors = listed([f"{one.sensor.label} {_delta_e(mean_color_error(one))}" for one in able])
+    own, other = (
+        mean_color_error(one) for name in (least, first) for one in able if one.sensor.label == name
+    )
+    why = ""
+    if own is not None and other is not None and own > other:
+        why = f", because its color error is larger ({own:.1f} against {other:.1f} ΔE*ab)"
     return [
         f"With this matrix {least} has less visual noise than {first} ({_number(known[least])} "
-        f"against {_number(known[first])}), because the color errors are unequal ({errors} ΔE*ab)."
+        f"against {_number(known[first])}){why}."
     ]
 
 
@@ -667,7 +680,8 @@ def _number(value: float) -> str:
     return f"{value:#.3g}".removesuffix(".") if 1e-3 <= value < 1000 else brief(value, 3)
 
 
-def _left_out(analysis: Analysis) -> str | None:
+def _excluded(analysis: Analysis) -> str | None:
+    """Why a sensor is in no comparison for an eye; ``None`` where it is."""
     full = saturation_sentence(analysis)
     if full is not None:
         return f"{full}."
@@ -676,12 +690,20 @@ def _left_out(analysis: Analysis) -> str | None:
             f"{analysis.sensor.label}: practically every reading of a channel is the same code of "
             "the converter, so the sensor has no color to compare; take more bits or a higher gain."
         )
-    if color_snr_db(analysis)["Y"] is None:
-        return (
-            f"{analysis.sensor.label}: its matrix gives no valid Y under this light, so it has no "
-            "color to compare."
-        )
     return None
+
+
+def _without_luminance(analysis: Analysis) -> Told:
+    return Told(
+        "matrix",
+        f"With the matrix {analysis.matrix.made_by}, {analysis.sensor.label} gives no valid Y "
+        "under this light, so it has no SNR of Y.",
+    )
+
+
+def matrices_in_words(analyses: Sequence[Analysis]) -> str:
+    """What the color matrices of the analyses are."""
+    return listed(list(dict.fromkeys(one.matrix.made_by for one in analyses)))
 
 
 def _alone(analysis: Analysis) -> str:
@@ -693,61 +715,54 @@ def _alone(analysis: Analysis) -> str:
 
 
 def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis) -> str:
-    """Raw SNR of both, and their luminance SNR with the matrix of the analyses."""
+    """SNR of Y of both with the matrix of the analyses, and their raw SNR."""
     first, second = (winner, rival) if best_raw is winner else (rival, winner)
     raw_db = _raw_db(first) - _raw_db(second)
-    more = f"{raw_db:.1f} dB more raw SNR than" if raw_db >= _TIE_DB else "the same raw SNR as"
-    gap_db = _known_luminance_db(first) - _known_luminance_db(second)
-    luminance = f"{abs(gap_db):.1f} dB {'more' if gap_db > 0 else 'less'} luminance SNR"
-    if abs(gap_db) < _TIE_DB:
-        luminance = "the same luminance SNR"
+    luminances_db = [_known_luminance_db(one) for one in (first, second)]
+    gap_db = luminances_db[0] - luminances_db[1]
+    luminance = "the same SNR of Y as"
+    if abs(gap_db) >= LEAST_TIE_DB:
+        luminance = f"{_more(gap_db)} SNR of Y than"
+    raw = "the same raw SNR" if raw_db < LEAST_TIE_DB else f"{_more(raw_db)} raw SNR"
+    link = "but" if raw_db >= LEAST_TIE_DB > gap_db else "and"
+    patch = "a perfect white" if first.point.patch is None else first.point.patch_name
     return (
-        f"On a perfect white, {first.sensor.label} has {more} {second.sensor.label} ({RAW_SNR}); "
-        f"with the matrix {first.matrix.made_by}, it has {luminance} ({_pair(first, second)})."
+        f"With the matrix {first.matrix.made_by}, {first.sensor.label} has {luminance} "
+        f"{second.sensor.label} on {patch} ({luminances_db[0]:.1f} against "
+        f"{luminances_db[1]:.1f} dB), {link} {raw} ({RAW_SNR})."
     )
-
-
-def _pair(first: Analysis, second: Analysis) -> str:
-    return f"SNR of Y {_known_luminance_db(first):.1f} against {_known_luminance_db(second):.1f} dB"
 
 
 def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
     """Causes that cost the loser more than the winner: two, or as many as explain the gap."""
     gap = _known_luminance_db(winner) - _known_luminance_db(loser)
     good, bad = (_costs(coordinate_budget(a, "Y")) for a in (winner, loser))
-    if gap < _TIE_DB or not (good and bad):
+    if gap < LEAST_TIE_DB or not (good and bad):
         return []
     beyond = {cause: loss - good.get(cause, 0.0) for cause, loss in bad.items()}
     beyond[INFRARED] = beyond.get(INFRARED, 0.0) + beyond.pop(REST)  # infrared costs and leaks
-    parts: list[list[str]] = []
+    parts: list[str] = []
     explained = 0.0
     for cause in sorted(beyond, key=lambda one: -beyond[one]):
         if beyond[cause] < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
             break
         explained += beyond[cause]
-        bars = [one for one in ((cause, REST) if cause == INFRARED else (cause,)) if one in bad]
-        # crosstalk may be a cause for one sensor only
-        costs_db = [(one, bad[one], good.get(one, 0.0)) for one in bars]
-        parts.append(
-            [
-                _reason(one, own, other, winner.sensor.label)
-                for one, own, other in costs_db
-                if one == cause or abs(own - other) >= _TIE_DB
-            ]
-        )
+        other = good.get(cause, 0.0)  # crosstalk may be a cause for one sensor only
+        other += good.get(REST, 0.0) if cause == INFRARED else 0.0
+        parts.append(_reason(cause, beyond[cause] + other, other, winner.sensor.label))
     if not parts:
         return []
-    who = f"{loser.sensor.label} has less luminance SNR than {winner.sensor.label}"
-    return [f"Why {who}: {'; '.join(chain.from_iterable(parts))}."]
+    who = f"{loser.sensor.label} has less SNR of Y than {winner.sensor.label}"
+    return [f"Why {who}: {'; '.join(parts)}."]
 
 
 def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
     """A bar of the budget with its label and number, and the same bar of the winner."""
     if cause == _PHOTONS:
         levels = f"{decimal(-loss_db)} dB, against {decimal(-winner_db)} dB for {winner}"
-        return f"all photons: {levels}, because fewer reach its pixels"
-    label = _label(cause)
-    if min(loss_db, winner_db) < -_TIE_DB:  # a gain is not called a cost
+        return f"all photons give {levels}: fewer reach the pixels"
+    label = _label(cause) if cause != INFRARED else "infrared (its noise, and its signal in Y)"
+    if min(loss_db, winner_db) < -LEAST_TIE_DB:  # a gain is not called a cost
         return f"{label}: {signed(-loss_db)} dB, against {signed(-winner_db)} dB for {winner}"
     return f"{label} costs {decimal(loss_db)} dB, against {decimal(winner_db)} dB for {winner}"
 
@@ -761,28 +776,29 @@ def _colors(able: Sequence[Analysis], found: EqualColor) -> list[str]:
     """Color error and visual noise of the matrix of the analyses."""
     place = {one.sensor: k for k, one in enumerate(found.standings)}
     able = sorted(able, key=lambda one: (place.get(one.sensor.label, len(place)), one.sensor.label))
-    errors = ", ".join(f"{a.sensor.label} {_delta_e(mean_color_error(a))}" for a in able)
-    noises = ", ".join(f"{a.sensor.label} {_in_noise(a)}" for a in able)
     trades = {one.point.sensor.label: one for one in found.trade_offs}
-    above = [
-        f"{a.sensor.label} {db:.1f} dB"
-        for a in able
-        if (db := _above_the_least_db(a, trades.get(a.sensor.label))) >= _TIE_DB
-    ]
-    more = f", above the best matrix of this color error: {listed(above)}" if above else ""
-    over = f"mean ΔE*ab over {_patches(able[0])}"
+    errors, noises, below = [], [], []
+    for a in able:
+        label, error = a.sensor.label, mean_color_error(a)
+        trade = trades.get(label)
+        above_db = _above_the_least_db(a, trade)
+        more = f" ({above_db:.1f} dB above a noise-aware matrix of this color error)"
+        errors.append(f"{label} {_delta_e(error)}")
+        noises.append(f"{label} {_in_noise(a)}{more if above_db >= LEAST_TIE_DB else ''}")
+        if trade and error is not None and error < trade.least_color_error - _UNSEEN_DELTA_E:
+            below.append(f"{label} ({error:.1f} against {trade.least_color_error:.1f})")
     matrix = f"the matrix {able[0].matrix.made_by}"
-    below = [
-        f"{a.sensor.label} {error:.1f} against {trade.least_color_error:.1f}"
-        for a in able
-        if (trade := trades.get(a.sensor.label)) is not None
-        and (error := mean_color_error(a)) is not None
-        and error < trade.least_color_error - _UNSEEN
+    over = f"mean ΔE*ab over {_patches(able[0])}"
+    told = [
+        f"With {matrix}, color error ({over}): {', '.join(errors)}; visual noise: "
+        f"{', '.join(noises)}."
     ]
-    numbers = f"With {matrix}, color error ({over}): {errors}; visual noise: {noises}{more}."
-    if not below:
-        return [numbers]
-    return [numbers, f"{BELOW}: {listed(below)}. {_WHY_BELOW}"]
+    if below:
+        told.append(
+            f"With {matrix}, the color error is less than with every noise-aware matrix, which "
+            f"keeps the white: {listed(below)}."
+        )
+    return told
 
 
 def _above_the_least_db(analysis: Analysis, trade: TradeOff | None) -> float:
@@ -808,7 +824,7 @@ def _largest(analysis: Analysis) -> str:
     if not found or min(whole_db, max(found)[0]) < _WORTH_DB:
         return ""
     loss_db, cause = max(found)
-    how = "mostly" if whole_db / 2 < loss_db <= whole_db + _TIE_DB else "above all"
+    how = "mostly" if whole_db / 2 < loss_db <= whole_db + LEAST_TIE_DB else "above all"
     return f", {how} because of {_label(cause)}: {decimal(loss_db)} dB"
 
 
@@ -858,14 +874,14 @@ def _too_noisy(analysis: Analysis, prior: str | Spectra) -> str | None:
     if lost is None:
         return None
     better = (
-        f" The matrix noise-aware={brief(lost.weight)} gives {_number(lost.least_total_error)}."
+        f"; the matrix noise-aware={brief(lost.weight)} gives {_number(lost.least_total_error)}"
         if lost.total_error - lost.least_total_error >= 1 and math.isfinite(lost.weight)
         else ""
     )
     return (
         f"With the matrix {analysis.matrix.made_by}, color is lost in the noise of "
         f"{analysis.sensor.label}: the total color error as viewed is {_number(lost.total_error)} "
-        f"ΔE*ab, and a gray picture without noise has {_number(lost.colorless_error)}.{better}"
+        f"ΔE*ab; a gray picture without noise has {_number(lost.colorless_error)}{better}."
     )
 
 

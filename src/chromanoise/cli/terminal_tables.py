@@ -19,7 +19,7 @@ from chromanoise.apps.paper import (
     table_5_finding,
     verdict,
 )
-from chromanoise.charts import machine_tables
+from chromanoise.charts import machine_tables, matrices_in_words
 from chromanoise.cli.output import print_lines, terminal
 from chromanoise.color import ColorMatrix
 from chromanoise.io import Table as Rows, head as heading, number_text, written
@@ -169,8 +169,8 @@ def print_analyses(analyses: Iterable[Analysis], *, whole_notes: bool = False) -
     for head in ("to x deg", "to y deg", "to z deg"):
         channels.add_column(head, justify="right")
     color = Table(
-        title=f"Spectrum and color (eq. 4-6; {metric}); matrix: {_matrices(analyses)}; color "
-        "errors: mean Delta E*ab over the chart",
+        title=f"Spectrum and color (eq. 4-6; {metric}); matrix: {matrices_in_words(analyses)}; "
+        "color errors: mean Delta E*ab over the chart",
         title_justify="left",
     )
     for head in (
@@ -197,10 +197,6 @@ def print_analyses(analyses: Iterable[Analysis], *, whole_notes: bool = False) -
     console.print(color)
     angles = [(one.sensor.label, _angles(one)) for one in analyses]
     print_notes(notes, whole=whole_notes, details=[one for one in angles if one[1]])
-
-
-def _matrices(analyses: Sequence[Analysis]) -> str:
-    return ", ".join(dict.fromkeys(one.matrix.made_by for one in analyses))
 
 
 def print_comparison(

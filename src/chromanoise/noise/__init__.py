@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from chromanoise.noise.variance import (
         NoiseSources as NoiseSources,
         after_counting as after_counting,
+        coarsely_converted,
         counted_electrons as counted_electrons,
         crosstalk_pattern,
         demand_independent_channels as demand_independent_channels,

@@ -126,6 +126,8 @@ _STEPS_OF_ONE_CODE = 5.0  # below as many standard deviations per step no code h
 _MOST_LEVELS = 101  # more levels of telegraph noise are as good as normal noise
 _LEAST_SHARE = 1e-15  # of a level that counts
 _WEAK = 1e-3  # a channel with less of the electrons of the strongest one decides no color
+LEAST_DITHER = 0.4
+"""Noise over the step of a converter: less bends the mean code by over 2 exp(-2 pi^2 0.4^2). [1]"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -769,12 +771,35 @@ def one_code(
     sensor, exposure
         As `noise_sources`.
     """
-    mean = np.asarray(mean_e, dtype=np.float64)
     noise = noise_sources(sensor, exposure)
     if not noise.step_e:
-        return np.zeros(mean.shape, dtype=bool)
-    lit = (mean > 0) & (mean >= _WEAK * mean.max(axis=-1, keepdims=True))
-    return noise.gives_one_code(mean) & lit
+        return np.zeros(np.shape(mean_e), dtype=bool)
+    return noise.gives_one_code(np.asarray(mean_e, dtype=np.float64)) & _is_lit(mean_e)
+
+
+def _is_lit(mean_e: Float[Array, "*px p"]) -> Bool[Array, "*px p"]:
+    mean = np.asarray(mean_e, dtype=np.float64)
+    return np.asarray((mean > 0) & (mean >= _WEAK * mean.max(axis=-1, keepdims=True)))
+
+
+def coarsely_converted(
+    mean_e: Float[Array, "*px p"], sensor: Sensor, exposure: Exposure | None = None
+) -> Bool[Array, "*px p"]:
+    """True where the mean code does not follow the light, as the converter's step hides the noise.
+
+    That is, where the noise before rounding is below `LEAST_DITHER` of the step. False for the weak
+    channels of `one_code`.
+
+    Parameters
+    ----------
+    mean_e, sensor, exposure
+        As `one_code`.
+    """
+    noise = noise_sources(sensor, exposure)
+    if not noise.step_e:
+        return np.zeros(np.shape(mean_e), dtype=bool)
+    before_e2 = noise.variance_e2(mean_e, "total") - noise.step_e**2 / 12
+    return np.asarray((before_e2 < (LEAST_DITHER * noise.step_e) ** 2) & _is_lit(mean_e))
 
 
 def signal_limit_e(sensor: Sensor, exposure: Exposure | None = None) -> float:

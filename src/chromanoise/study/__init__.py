@@ -330,6 +330,7 @@ if TYPE_CHECKING:
         LostColors as LostColors,
         Reader,
         Standing as Standing,
+        Told,
         TradeOff as TradeOff,
         Turn as Turn,
         Verdict as Verdict,

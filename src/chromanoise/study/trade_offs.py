@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from itertools import combinations, groupby
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -35,7 +35,13 @@ from chromanoise.color import (
     cie1976_difference,
 )
 from chromanoise.metrics import balanced_truth, optimal_linear_snr_db, viewed_covariance
-from chromanoise.noise import OperatingPoint, saturated, signal_limit_e, with_noise
+from chromanoise.noise import (
+    OperatingPoint,
+    coarsely_converted,
+    saturated,
+    signal_limit_e,
+    with_noise,
+)
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
@@ -64,6 +70,9 @@ _ERRORS = 17  # color errors at which the order is checked
 _PER_DECADE, _COARSE = 12, 4  # weights of the noise, at the own light level and at others
 
 NO_LIGHT, SATURATED = "no channel sees the light", "a channel is saturated on the white"
+COARSE = (
+    "the step of its converter hides the noise of an 18 % gray; take more bits or a higher gain"
+)
 FEW_CHANNELS = "it has fewer than three independent channels"
 NO_COLOR = "X, Y or Z of the light is 0"
 NO_CHART = "the chart has no colors"
@@ -232,7 +241,7 @@ class TradeOff:
         low, high, share = math.floor(place), math.ceil(place), place % 1
         matrix = (1 - share) * self.matrices[low] + share * self.matrices[high]
         sensor, exposure = self.point.sensor, self.point.exposure
-        white_e = _chart_of(self.point).white_e
+        white_e = electrons_at(self.point)
         return noise_beyond_first_order(white_e, sensor, exposure, matrix, self.viewing)
 
     def channels_at(self, place: float) -> tuple[str, ...]:
@@ -274,10 +283,10 @@ class Standing:
     behind_db
         That noise over the noise of the first sensor. [dB]
     gray_snr_db
-        SNR of the best linear readout of that gray in all channels. [dB]
-    amplified_db
-        By how much more its matrix amplifies the noise than that of the first sensor: ``behind_db``
-        plus its ``gray_snr_db`` minus that of the first. [dB]
+        SNR of the best linear readout of that gray in the channels that the matrix uses. [dB]
+    lost_in_matrix_db
+        What its color matrix loses of that SNR more than the one of the first sensor does:
+        ``behind_db`` plus its ``gray_snr_db`` minus that of the first. [dB]
     color_error, least_color_error
         Of the matrix, and the least of all noise-aware matrices. [Delta E*ab]
     least_total_error
@@ -295,7 +304,7 @@ class Standing:
     KEYS: ClassVar[JsonKeys] = (
         "name",
         JsonKey("label", "sensor"),
-        *("visual_noise", "behind_db", "gray_snr_db", "amplified_db"),
+        *("visual_noise", "behind_db", "gray_snr_db", "lost_in_matrix_db"),
         *("color_error", "least_color_error", "least_total_error", "is_lost", "weight", "channels"),
     )
 
@@ -304,7 +313,7 @@ class Standing:
     visual_noise: float
     behind_db: float
     gray_snr_db: float
-    amplified_db: float
+    lost_in_matrix_db: float
     color_error: float
     least_color_error: float
     least_total_error: float
@@ -415,6 +424,26 @@ class EqualColor:
 Reader = Literal["eye", "machine"]
 
 
+class Told(NamedTuple):
+    """A sentence of a verdict, and what it is about."""
+
+    about: Literal[
+        "winner",
+        "excluded",
+        "why",
+        "total",
+        "lost",
+        "turns",
+        "matrix",
+        "matrix order",
+        "matrix why",
+        "matrix colors",
+        "alone",
+        "machine",
+    ]
+    text: str
+
+
 @with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Verdict:
@@ -432,7 +461,7 @@ class Verdict:
         Color error at which the noise is compared; ``None`` for a machine. [Delta E*ab]
     reader
         Whether an eye or a machine judges the sensors.
-    sentences
+    told
         The verdict in words, the answer first.
     prior
         Name of the training set of the compared matrices.
@@ -455,9 +484,14 @@ class Verdict:
     margin_db: float | None
     at_color_error: float | None
     reader: Reader
-    sentences: tuple[str, ...]
+    told: tuple[Told, ...]
     prior: str
     at_equal_color: EqualColor
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The texts of ``told``."""
+        return tuple(one.text for one in self.told)
 
 
 def trade_off(
@@ -515,8 +549,9 @@ def _along_light(
     for level in levels_lux:
         factor = level / point.level_lux
         white_e = factor * chart.white_e
-        if saturated(white_e, sensor, exposure).any():
-            found.append(SATURATED)
+        hidden = coarsely_converted(GRAY * white_e, sensor, exposure).any()
+        if hidden or saturated(white_e, sensor, exposure).any():
+            found.append(COARSE if hidden else SATURATED)
             continue
         there = family.in_light(factor)
         families = [there, *(there.with_channels(one) for one in _subsets(there.used))]
@@ -662,8 +697,8 @@ def equal_color(
     """
     _refuse_other_light(points)
     found = [trade_off(point, prior=prior, viewing=viewing) for point in points]
-    trades = tuple(one for one in found if isinstance(one, TradeOff))
-    left_out = tuple(one for one in found if isinstance(one, LeftOut))
+    trades, beyond = _of_a_common_error([one for one in found if isinstance(one, TradeOff)])
+    left_out = tuple(one for one in found if isinstance(one, LeftOut)) + beyond
     colorless, level = _chart_of(points[0]).colorless_error, points[0].level_lux
     if len(trades) < 2:
         return EqualColor(
@@ -700,10 +735,16 @@ def equal_color(
             *_turns("light [lx]", lit, levels, None, first, changes_db),
             *_turns("color error [Delta E*ab]", errors, same, errors, first, changes_db),
         ]
-    snr_db = np.array([_gray_snr_db(one.point) for one in trades])
-    by_sensor_db = (behind_db, snr_db, behind_db + (snr_db - snr_db[first]))
+    snr_db = [_gray_snr_db(one, least) for one in trades]
     every = [
-        _standing(trade, least, colorless, *(float(values_db[k]) for values_db in by_sensor_db))
+        _standing(
+            trade,
+            least,
+            colorless,
+            behind_db=float(behind_db[k]),
+            gray_snr_db=snr_db[k],
+            lost_in_matrix_db=float(behind_db[k]) + (snr_db[k] - snr_db[first]),
+        )
         for k, trade in enumerate(trades)
     ]
     return EqualColor(
@@ -718,6 +759,22 @@ def equal_color(
         colorless_error=colorless,
         left_out=left_out,
     )
+
+
+def _of_a_common_error(
+    trades: Sequence[TradeOff],
+) -> tuple[tuple[TradeOff, ...], tuple[LeftOut, ...]]:
+    """Those that reach a common color error, and those with more than another one can have."""
+    kept, beyond = list(trades), list[LeftOut]()
+    while len(kept) > 1:
+        worst = max(kept, key=lambda one: one.least_color_error)
+        if worst.least_color_error <= min(float(one.color_error.max()) for one in kept):
+            break
+        kept.remove(worst)
+        sensor = worst.point.sensor
+        why = f"its least color error, {worst.least_color_error:.1f} ΔE*ab, is above all of another"
+        beyond.append(LeftOut(name=sensor.name, sensor=sensor.label, why=why))
+    return tuple(kept), tuple(beyond)
 
 
 def _refuse_other_light(points: Sequence[OperatingPoint]) -> None:
@@ -742,12 +799,12 @@ def _standing(
     trade: TradeOff,
     least: float,
     colorless: float,
+    *,
     behind_db: float,
     gray_snr_db: float,
-    amplified_db: float,
+    lost_in_matrix_db: float,
 ) -> Standing:
-    place = trade.place(least)
-    assert place is not None  # the least error that all reach
+    place = _reached(trade, least)
     total, _ = trade.least_total_error()
     return Standing(
         name=trade.point.sensor.name,
@@ -755,7 +812,7 @@ def _standing(
         visual_noise=trade.noise_at(place),
         behind_db=behind_db,
         gray_snr_db=gray_snr_db,
-        amplified_db=amplified_db,
+        lost_in_matrix_db=lost_in_matrix_db,
         color_error=trade.value_at(place, trade.color_error),
         least_color_error=trade.least_color_error,
         least_total_error=total,
@@ -766,15 +823,29 @@ def _standing(
     )
 
 
-def _gray_snr_db(point: OperatingPoint) -> float:
+def _gray_snr_db(trade: TradeOff, color_error: float) -> float:
+    point, channels = trade.point, trade.channels_at(_reached(trade, color_error))
     gray = with_noise(GRAY * electrons_at(point), point.sensor, point.exposure)
-    return float(optimal_linear_snr_db(gray))
+    used = np.flatnonzero(np.isin(gray.names, channels))
+    of_used = replace(
+        gray,
+        mean=gray.mean[used],
+        covariance=gray.covariance[np.ix_(used, used)],
+        names=channels,
+        reading_variance=None,
+    )
+    return float(optimal_linear_snr_db(of_used))
 
 
 def _noises(trades: Sequence[TradeOff], color_error: float) -> Float[Array, " s"]:
     """Visual noise of each sensor at a color error that all reach. [CIELUV]"""
-    places = [(one, one.place(color_error)) for one in trades]
-    return np.array([math.nan if at is None else one.noise_at(at) for one, at in places])
+    return np.array([one.noise_at(_reached(one, color_error)) for one in trades])
+
+
+def _reached(trade: TradeOff, color_error: float) -> float:
+    place = trade.place(color_error)
+    assert place is not None  # an error that it reaches
+    return place
 
 
 def _noises_at_least_error(trades: Sequence[TradeOff]) -> Float[Array, " s"]:
@@ -802,14 +873,8 @@ def _again_db(
 
 def _noises_beyond(trades: Sequence[TradeOff], color_error: float) -> Float[Array, "2 s"]:
     """Beyond first order, at a color error that all reach. [CIELUV, Delta E*ab]"""
-    places = [(one, one.place(color_error)) for one in trades]
     return np.transpose(
-        [
-            NoiseByTwoMeasures(math.nan, math.nan)
-            if at is None
-            else one.noise_beyond_first_order_at(at)
-            for one, at in places
-        ]
+        [one.noise_beyond_first_order_at(_reached(one, color_error)) for one in trades]
     )
 
 
