@@ -193,7 +193,8 @@ def until(page, truth, argument=None):
 def at_rest(page):
     """Wait until every drawing has been made of the state that is shown."""
     until(page, "() => Number(document.documentElement.dataset.painted) > 0")
-    until(page, f"() => document.querySelectorAll('{DRAWN}[aria-busy]').length === 0")
+    busy = f"{DRAWN}[aria-busy], #verdict[aria-busy]"
+    until(page, f"() => document.querySelectorAll('{busy}').length === 0")
 
 
 def painted(page):

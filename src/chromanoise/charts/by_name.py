@@ -19,7 +19,7 @@ from chromanoise.charts.pareto_curves import drawn_pareto
 from chromanoise.charts.sensitivities import drawn_sensitivities
 from chromanoise.charts.stages import drawn_stages
 from chromanoise.charts.vectors import drawn_vectors
-from chromanoise.charts.verdicts import drawn_head
+from chromanoise.charts.verdicts import drawn_head, drawn_numbers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,9 +132,10 @@ PARTS: Mapping[str, Callable[[Shown, Look], Chart | dict[str, Any]]] = {
 """Names of the charts of every study."""
 DRAWINGS: Mapping[str, Callable[[Shown, Look], Chart | dict[str, Any]]] = {
     **PARTS,
+    "numbers": drawn_numbers,
     "map": drawn_map,
 }
-"""The same, and the heat map of a sweep of two parameters."""
+"""The same, the head without its verdict, and the heat map of a sweep of two parameters."""
 
 
 def drawing(part: str, of: Shown, look: Look | None = None) -> Any:

@@ -886,10 +886,7 @@ def _too_noisy(analysis: Analysis, prior: str | Spectra) -> str | None:
 
 
 def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
-    """The verdict in sentences, the light, and the settings of each sensor."""
-    first = shown.analyses[0].scene
-    sensors = [_sensor(analysis) for analysis in shown.analyses]
-    level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
+    """The verdict in sentences, and the numbers of `drawn_numbers`."""
     return {
         "verdict": verdict_sentences(
             shown.analyses,
@@ -897,6 +894,16 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
             reader=shown.study.outputs.reader,
             prior=next(iter(shown.makers.values())).prior,
         ),
+        **drawn_numbers(shown, look),
+    }
+
+
+def drawn_numbers(shown: Shown, look: Look) -> dict[str, Any]:
+    """The light, and settings and numbers of each sensor: of the head, what is quick."""
+    first = shown.analyses[0].scene
+    sensors = [_sensor(analysis) for analysis in shown.analyses]
+    level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
+    return {
         "light": {"name": first.illuminant.name, **level},
         "sensors": sensors,
         **numbers_of(_rows_of_head(sensors)),

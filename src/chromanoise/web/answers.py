@@ -147,7 +147,7 @@ class ChartReplies:
             return spoken(chart, [replace(one, label=_as_json(one.label)) for one in used])
         except InputError as error:  # not remembered: sensitivities have the key of other studies
             sentence = spoken(page_sentence(error), used)
-            if part == "head" and is_matrix_file(study.matrices[0]):
+            if part in ("head", "numbers") and is_matrix_file(study.matrices[0]):
                 raise QuestionError((error.setting or "matrices.0", sentence)) from None
             return json.dumps({"fault": sentence})
         except Exception:  # not cached: the next request may succeed

@@ -26,9 +26,8 @@ let telling;
  * Shows the verdict large, and tells it to those who listen once it has come to rest.
  *
  * @param {Head} head
- * @param {Head[]} ghosts
  */
-export function showHead(head, ghosts) {
+export function showVerdict(head) {
   const [first = "", ...more] = head.verdict;
   say(byId("verdict"), first);
   lines(byId("reasons"), more);
@@ -36,7 +35,6 @@ export function showHead(head, ghosts) {
   if (button.hidden !== (more.length === 0)) button.hidden = more.length === 0;
   clearTimeout(telling);
   telling = setTimeout(() => tell(head), REST_MS);
-  showSensors(head, ghosts);
 }
 
 /** @param {Head} head */
@@ -51,7 +49,7 @@ function tell({ verdict, sensors, light }) {
  * @param {Head} head
  * @param {Head[]} ghosts
  */
-function showSensors(head, ghosts) {
+export function showSensors(head, ghosts) {
   const { columns, rows, notes } = head.ranking;
   const colors = sensorLines(rows.map(({ name }) => name));
   const before = ghosts.map(({ ranking }) => ({ ...ranking, sensors: ranking.rows }));

@@ -7,7 +7,7 @@ import { attribute, brief, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
 import { saving } from "app/export.js";
 import { clearFaults, showFaults } from "app/faults.js";
-import { moreOnClick, showHead, sortOnClick } from "app/head.js";
+import { moreOnClick, showSensors, showVerdict, sortOnClick } from "app/head.js";
 import { isTrained } from "app/matrix.js";
 import { PARTS, panels, showTable } from "app/panels.js";
 import { useDefaults } from "app/paths.js";
@@ -35,6 +35,9 @@ const IN_FLIGHT = 2;
 /** Of A4 and Letter, where the style of print makes 0.7 of it. */
 const PAPER_PX = 976;
 
+/** So often a verdict follows what is dragged; at rest it follows at once. */
+const VERDICT_MS = 300;
+
 /** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
 const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
 
@@ -44,6 +47,8 @@ const root = document.documentElement;
  * @typedef {object} Page
  * @property {number} version of the study
  * @property {number} headVersion of the numbers that are shown
+ * @property {number} verdictVersion of the verdict that is shown
+ * @property {number} judged when that was shown [ms]
  * @property {boolean} calm whether nothing moves
  * @property {Question | null} answered
  * @property {number} failedVersion
@@ -66,6 +71,8 @@ const page = /** @type {Page} */ (
   /** @type {Partial<Page>} */ ({
     version: 0,
     headVersion: -1,
+    verdictVersion: -1,
+    judged: -Infinity,
     calm: false,
     answered: null,
     failedVersion: -1,
@@ -102,14 +109,19 @@ function question() {
   if (page.failedVersion === page.version) return null;
   const { study, look } = current();
   const parts = stale(page.version).filter((part) => panelOf(part).visible && !isSlow(part, study));
-  const want = page.headVersion < page.version ? ["head", ...parts] : parts;
+  const want = page.headVersion < page.version ? ["numbers", ...parts] : parts;
   return want.length ? { study, want, look: askedLook(look), version: page.version } : null;
 }
 
-/** The second, of what the first has answered: what is seen and slow, at rest what nobody sees. */
+/**
+ * The second, of what the first has answered: the verdict, then what is seen and slow, at rest what
+ * nobody sees.
+ */
 function laterQuestion() {
   if (!page.answered || page.failedVersion >= page.answered.version) return null;
   const { study, look, version } = page.answered;
+  const due = version === page.version || performance.now() - page.judged > VERDICT_MS;
+  if (page.verdictVersion < version && due) return { study, want: ["head"], look, version };
   const parts = stale(version);
   const slow = parts.filter((part) => panelOf(part).visible && isSlow(part, study));
   // the map comes last and alone, for it takes longest
@@ -142,7 +154,7 @@ function answered(reply, asked) {
     notice("faults", null);
   }
   // of two questions under way the newer one may be back first
-  if (want.includes("head") && version >= page.headVersion) {
+  if (want.includes("numbers") && version >= page.headVersion) {
     page.answered = asked;
     page.level = study.light?.level_lux ?? null;
     root.dataset.hash = reply.hash ?? "";
@@ -163,6 +175,7 @@ function answered(reply, asked) {
 function markStale() {
   // after a refusal nothing newer comes, and its sentence says that what is shown is older
   const awaited = page.failedVersion < page.headVersion;
+  attribute(byId("verdict"), "aria-busy", awaited && page.verdictVersion < page.headVersion ? "true" : null);
   for (const { section, version, data } of page.panels.values()) {
     if (data) attribute(section, "aria-busy", awaited && version < page.headVersion ? "true" : null);
   }
@@ -174,22 +187,40 @@ function markStale() {
  * @param {number} version
  */
 function show(part, data, version) {
-  if (part === "head") {
-    if (version < page.headVersion) return undefined;
-    page.headVersion = version;
-    const head = /** @type {Head | Failed | null} */ (data);
-    if (!head || "fault" in head || !head.sensors) {
-      return notice("faults", head && "fault" in head ? head.fault : "No verdict available.");
-    }
-    page.head = head;
-    page.tools.channels(head, current().look);
-    headAgain();
-    return page.showControls(current(), head);
-  }
+  if (part === "numbers") return showNumbers(/** @type {Head | Failed | null} */ (data), version);
+  if (part === "head") return judge(/** @type {Head | Failed | null} */ (data), version);
   const panel = panelOf(/** @type {Part} */ (part));
   if (version < panel.version) return undefined;
   panel.version = version;
   return panel.show(data, drawingOptions(panel.part, data));
+}
+
+/**
+ * @param {Head | Failed | null} numbers without a verdict
+ * @param {number} version
+ */
+function showNumbers(numbers, version) {
+  if (version < page.headVersion) return undefined;
+  page.headVersion = version;
+  if (!numbers || "fault" in numbers || !numbers.sensors) {
+    return notice("faults", numbers && "fault" in numbers ? numbers.fault : "No numbers available.");
+  }
+  page.head = { ...numbers, verdict: page.head?.verdict ?? [] };
+  page.tools.channels(page.head, current().look);
+  headAgain();
+  return page.showControls(current(), page.head);
+}
+
+/**
+ * @param {Head | Failed | null} head
+ * @param {number} version
+ */
+function judge(head, version) {
+  if (version < page.verdictVersion) return;
+  page.verdictVersion = version;
+  page.judged = performance.now();
+  if (!head || "fault" in head) return notice("faults", head ? head.fault : "No verdict available.");
+  if (page.head) showVerdict((page.head = { ...page.head, verdict: head.verdict }));
 }
 
 /**
@@ -240,7 +271,7 @@ channel.port1.onmessage = ({ data: number }) => {
 
 /** The head as it is, after an answer or with other pins. */
 function headAgain() {
-  if (page.head) showHead(page.head, page.ghosts.heads());
+  if (page.head) showSensors(page.head, page.ghosts.heads());
 }
 
 /** @param {Part} part */
