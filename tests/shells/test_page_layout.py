@@ -182,7 +182,7 @@ def test_on_a_phone_a_sheet_holds_the_controls_and_leaves_verdict_and_picture_in
         page.wait_for_function("width => document.documentElement.scrollWidth <= width", arg=width)
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.evidence)])
 def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, scheme):
     size = {"width": 2560, "height": 1440}
     page = window({"study": study_with(MANY), "look": {}}, color_scheme=scheme, viewport=size)
@@ -192,7 +192,9 @@ def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, schem
     assert page.evaluate("document.documentElement.scrollWidth") <= 2560
 
 
-@pytest.mark.parametrize("width", [360, 390, 480])
+@pytest.mark.parametrize(
+    "width", [360, *(pytest.param(one, marks=pytest.mark.evidence) for one in (390, 480))]
+)
 def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(window, width):
     page = window(viewport={"width": width, "height": 844})
     for name in ("#tour", "#menu", "#more"):

@@ -109,7 +109,7 @@ RUNNING = [
 ]
 
 
-LONG = ("denoising.md", "characterize.md")
+LONG = ("denoising.md", "characterize.md", "own_matrix.md", "pixel_shares.md")
 
 
 @pytest.mark.parametrize(
