@@ -64,9 +64,9 @@ EDITS = {  # by file: what is inserted, each before a text
     ],
 }
 STUDY = '[[sensors]]\nname = "onyx-rgbw"\n[[sensors]]\nname = "onyx-rgb"\n'
-COMMAND = (  # sliders whose answers are those of the study itself, which takes less time
-    "from chromanoise.web import report_of_study; "
-    "report_of_study._there = lambda of, slide, value, full: full; "
+COMMAND = (  # without card and sliders, which take most of the time
+    "from chromanoise.web import report_of_study as report; "
+    "report.MOST_ON_CARD, report.slides_of = 0, lambda of: (); "
     "from chromanoise.cli import main; main()"
 )
 
@@ -76,7 +76,7 @@ def copy(tmp_path_factory):
     """A folder with a copy of the package that has the new chart."""
     folder = tmp_path_factory.mktemp("copy")
     package = folder / "chromanoise"
-    ignored = shutil.ignore_patterns("__pycache__")
+    ignored = shutil.ignore_patterns("kernels-*", "*.pyi")  # its bytecode is kept
     shutil.copytree(Path(chromanoise.__file__).parent, package, ignore=ignored)
     (package / "charts" / "pitches.py").write_text(NEW, encoding="utf-8")
     for name, edits in EDITS.items():
