@@ -1,6 +1,7 @@
 """The objectives of a batch of sensors equal those of the library, candidate by candidate."""
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -131,8 +132,18 @@ PARTNER = {"rtn_share": {"rtn_amplitude_e": 9.0}, "rtn_amplitude_e": {"rtn_share
 """What else a pixel needs so that a property of it makes noise."""
 
 
-@pytest.mark.parametrize("name", noise_properties())
-@pytest.mark.parametrize("matrix", ["kernel", "lmmse", "bounded-psi=2"])
+@pytest.mark.parametrize(
+    ("matrix", "name"),
+    [
+        *product(("kernel", "lmmse"), noise_properties()),
+        ("bounded-psi=2", "prnu"),
+        *(
+            pytest.param("bounded-psi=2", name, marks=pytest.mark.evidence)
+            for name in noise_properties()
+            if name != "prnu"
+        ),
+    ],
+)
 def test_any_noise_of_the_pixel_of_a_candidate_is_that_of_its_sensor(matrix, name):
     rng = np.random.default_rng([3, list(noise_properties()).index(name)])
     scene, qe = scene_of(rng, matrix), bells(rng, 4, 3)

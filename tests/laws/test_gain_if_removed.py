@@ -66,7 +66,14 @@ def of_cause(budget, cause):
 # noise
 
 
-@pytest.mark.parametrize(("stage", "level_lux"), [(None, 0.05), ("light", 10.0), ("charge", 0.05)])
+@pytest.mark.parametrize(
+    ("stage", "level_lux"),
+    [
+        ("charge", 0.05),
+        pytest.param(None, 0.05, marks=pytest.mark.evidence),
+        pytest.param("light", 10.0, marks=pytest.mark.evidence),
+    ],
+)
 def test_the_gain_of_a_source_is_the_snr_of_a_sensor_built_without_it(stage, level_lux):
     def budgets_without(*causes):
         sensor = noisy("model-rgb", *causes)

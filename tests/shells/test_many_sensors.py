@@ -35,7 +35,7 @@ def ten():
     return charted(10, DARK)
 
 
-@pytest.fixture(scope="module", params=[5, 10], ids=str)
+@pytest.fixture(scope="module", params=[pytest.param(5, marks=pytest.mark.evidence), 10], ids=str)
 def figures(request, ten):
     return study_figures(ten if request.param == 10 else charted(5))
 

@@ -228,7 +228,13 @@ BEGINS = """(picture) => {
 }"""
 
 
-@pytest.mark.parametrize("of", [{"viewport": {"width": 1280, "height": 800}}, PHONE])
+@pytest.mark.parametrize(
+    "of",
+    [
+        pytest.param({"viewport": {"width": 1280, "height": 800}}, marks=pytest.mark.evidence),
+        PHONE,
+    ],
+)
 def test_the_same_patches_stand_left_and_right_of_the_divider_wherever_it_is(window, of):
     page = window(**of)
     panel = page.locator("[data-part=picture]")

@@ -615,7 +615,13 @@ def test_the_study_that_the_server_starts_with_is_not_computed_without_a_bound(m
     assert all(one["study"]["sensors"] != STUDY["sensors"] for one in computed)
 
 
-@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize(
+    "stop",
+    [
+        signal.SIGKILL,
+        *(pytest.param(one, marks=pytest.mark.evidence) for one in (signal.SIGINT, signal.SIGTERM)),
+    ],
+)
 def test_no_process_is_left_when_the_server_ends(stop):
     with served() as (address, process):
         with httpx.Client(base_url=address.rstrip("/"), timeout=600) as client:
