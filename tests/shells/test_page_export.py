@@ -338,12 +338,14 @@ def test_a_file_that_cannot_be_made_is_refused_in_one_sentence(window, name):
 
 def test_axe_finds_no_fault_in_an_open_menu_and_beside_a_mark(window, axe):
     page = window({"study": STUDY, "look": {}})
+    panel = "section[data-part=levels]"
     read_by_key(page, "levels", "ArrowRight")
     assert faults_of_access(page, axe, RULES) == []
-    opener = page.locator("section[data-part=levels] .d-save > button")
+    opener = page.locator(f"{panel} .d-save > button")
     opener.focus()
     page.keyboard.press("Enter")
-    assert faults_of_access(page, axe, RULES) == []
+    assert page.locator(f"{panel} .d-menu").is_visible()
+    assert faults_of_access(page, axe, [*RULES], within=panel) == []
     page.keyboard.press("Escape")
     assert opener.get_attribute("aria-expanded") == "false"
     assert opener.evaluate("(node) => node === document.activeElement")
