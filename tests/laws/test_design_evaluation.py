@@ -1,7 +1,6 @@
 """The objectives of a batch of sensors equal those of the library, candidate by candidate."""
 
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -27,6 +26,7 @@ from chromanoise.spectra import (
     equal_energy,
     illuminant_named,
 )
+from dear import dear
 from outcomes import refused_input
 
 GRID = Grid.uniform(400, 1000, 20)
@@ -132,18 +132,8 @@ PARTNER = {"rtn_share": {"rtn_amplitude_e": 9.0}, "rtn_amplitude_e": {"rtn_share
 """What else a pixel needs so that a property of it makes noise."""
 
 
-@pytest.mark.parametrize(
-    ("matrix", "name"),
-    [
-        *product(("kernel", "lmmse"), noise_properties()),
-        ("bounded-psi=2", "prnu"),
-        *(
-            pytest.param("bounded-psi=2", name, marks=pytest.mark.evidence)
-            for name in noise_properties()
-            if name != "prnu"
-        ),
-    ],
-)
+@pytest.mark.parametrize("name", noise_properties())
+@pytest.mark.parametrize("matrix", ["kernel", "lmmse", *dear("bounded-psi=2")])
 def test_any_noise_of_the_pixel_of_a_candidate_is_that_of_its_sensor(matrix, name):
     rng = np.random.default_rng([3, list(noise_properties()).index(name)])
     scene, qe = scene_of(rng, matrix), bells(rng, 4, 3)

@@ -65,6 +65,7 @@ from chromanoise.study import (
     pipeline_noise,
     sensor_named,
 )
+from dear import dear
 from outcomes import refused_input
 from strategies import raw_of
 
@@ -238,13 +239,7 @@ def drawn_steps(analysis, gain, patch, draws=400_000):
 FEW = {"read_noise_e": 0.7, "dark_current_e_per_s": 90.0, "full_well_e": 3000.0}
 
 
-@pytest.mark.parametrize(
-    "converter",
-    [
-        pytest.param({}, marks=pytest.mark.evidence),  # a step of 0
-        {"bits": 12, "gain_e_per_dn": 12.0},
-    ],
-)
+@pytest.mark.parametrize("converter", [*dear({}), {"bits": 12, "gain_e_per_dn": 12.0}])
 def test_every_step_of_few_electrons_has_the_moments_of_plain_draws(converter):
     analysis = seen(level_lux=3.0, time_s=0.008, pixel=tuple((FEW | converter).items()))
     result = found(analysis, iso=(800.0,)).iso[0]
@@ -317,9 +312,7 @@ def test_a_black_level_error_moves_the_gains_by_gray_but_not_those_of_the_illumi
     assert raw == pytest.approx(50.0)
 
 
-@pytest.mark.parametrize(
-    "name", ["model-rgb-ircut", pytest.param("onyx-rgbw", marks=pytest.mark.evidence)]
-)
+@pytest.mark.parametrize("name", ["model-rgb-ircut", *dear("onyx-rgbw")])
 def test_gains_from_gray_pixels_scatter_by_the_delta_method(name):
     repeats, pixels = 4000, 256
     analysis = seen(name, level_lux=1.0)

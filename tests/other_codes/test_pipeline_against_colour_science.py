@@ -26,6 +26,7 @@ from chromanoise.study import (
     pipeline_noise,
     sensor_named,
 )
+from dear import dear_if
 
 LAMP = equal_energy(DEFAULT_GRID)
 RHO = colorchecker(DEFAULT_GRID).values.T
@@ -112,11 +113,7 @@ def z_scores(drawn, measurement):
 
 
 @pytest.mark.parametrize(
-    ("name", "matrix", "pixel", "more"),
-    [
-        pytest.param(*one, marks=[pytest.mark.evidence] * (one[2] is not FULL_PIXEL), id=name)
-        for one, name in zip(CASES, IDS, strict=True)
-    ],
+    ("name", "matrix", "pixel", "more"), dear_if(lambda one: not one[2], CASES), ids=IDS
 )
 def test_draws_through_colour_science_scatter_as_predicted(name, matrix, pixel, more):
     analysis = analysis_of(name, matrix, tuple(pixel.items()))

@@ -17,6 +17,7 @@ from PIL import Image
 import chromanoise as cn
 from chromanoise.charts import Card, brief, decimal
 from chromanoise.noise import conditions
+from dear import dear, dear_if
 
 PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
 FIVE = (*PAIR, "onyx-rgb", "onyx-rgbw-ircut", "model-cmy-ircut")
@@ -78,13 +79,7 @@ def overlap(first, second):
     return bool((high - low > OVERLAP_PX).all())
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.evidence] * (name in ("one", "two on A4", "five")))
-        for name in CARDS
-    ],
-)
+@pytest.mark.parametrize("name", dear_if(("one", "two on A4", "five").__contains__, CARDS))
 def test_no_text_is_small_or_cut_off_or_covers_another(name):
     figure = card_named(name).figure()
     wide, high = figure.get_size_inches() * figure.dpi
@@ -131,7 +126,7 @@ def test_pixels_of_different_sensors_are_told_apart():
     assert "; quiet: 10 µm, full well 10000 e⁻, read noise 1.25 e⁻" in card.footer
 
 
-@pytest.mark.parametrize("paper", ["16:9", pytest.param("a4", marks=pytest.mark.evidence)])
+@pytest.mark.parametrize("paper", ["16:9", *dear("a4")])
 def test_each_format_is_whole_and_of_the_size_of_its_paper(done, here, paper):
     for ending in ("png", "svg", "pdf", "html"):
         out, _ = done("card", "onyx-rgb", "--lux", 3, "--paper", paper, "-o", f"new/c.{ending}")

@@ -5,7 +5,6 @@ import pickle
 import tomllib
 import warnings
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -126,30 +125,22 @@ def of(count, quantity="QE"):
     return ["R", "G", "B"] if count == 3 else ["power" if quantity == "power" else "own"]
 
 
-@pytest.fixture(scope="module")
-def by_file(tmp_path_factory):
-    """By its role the numbers that the curves give in a file."""
-
-    @cache
-    def found(role):
-        count, quantity, call = ROLES[role]
-        path = tmp_path_factory.mktemp("curves") / "own.csv"
-        return numbers(call(csv_of(path, NM, MADE[:, :count], of(count, quantity))).to_dict())
-
-    return found
+BY_FILE = {}  # the numbers of each role, once
 
 
 @pytest.mark.parametrize("kind", OBJECTS)
 @pytest.mark.parametrize("role", ROLES)
-def test_an_object_gives_the_digits_of_the_same_curves_in_a_file(by_file, kind, role):
+def test_an_object_gives_the_digits_of_the_same_curves_in_a_file(here, kind, role):
     count, quantity, call = ROLES[role]
     if role == "white balance" and kind in ("arrays", "lists", "Spectra"):
         pytest.skip("their curve does not declare that it is power")
     names, values = of(count, quantity), MADE[:, :count]
+    if role not in BY_FILE:
+        BY_FILE[role] = numbers(call(csv_of(here / "own.csv", NM, values, names)).to_dict())
     by_object = numbers(call(OBJECTS[kind](NM, values, names, quantity)).to_dict())
     exact = "um" not in kind  # nm / 1000 * 1000 is rounded to 1e-9 nm
     assert len(by_object) > 5
-    np.testing.assert_allclose(by_object, by_file(role), rtol=0 if exact else 1e-9)
+    np.testing.assert_allclose(by_object, BY_FILE[role], rtol=0 if exact else 1e-9)
 
 
 def test_the_digits_of_a_render_of_curves_are_those_of_their_file(here):

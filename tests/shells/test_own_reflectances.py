@@ -1,7 +1,5 @@
 """Own reflectances as chart, as prior of trained matrices, and as the patch that is analyzed."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
@@ -43,13 +41,8 @@ def analyzed(**settings):
     return sensor
 
 
-@cache
-def charted():
-    return analyzed(chart=True)
-
-
 def test_the_colorchecker_in_a_file_gives_the_results_of_the_built_in_one(here):
-    own, built_in = analyzed(chart=True, chart_file="chart.csv"), charted()
+    own, built_in = analyzed(chart=True, chart_file="chart.csv"), analyzed(chart=True)
     for mine, theirs in zip(own["chart"], built_in["chart"], strict=True):
         assert mine["patch"] == theirs["patch"]
         for name in ("color_error", "ciede2000", "snr_y_db", "noise_delta_e"):
@@ -60,7 +53,7 @@ def test_the_colorchecker_in_a_file_gives_the_results_of_the_built_in_one(here):
 
 def test_a_chart_of_two_curves_has_the_errors_of_these_two_patches(here):
     own = analyzed(chart=True, chart_file=here / "two.csv")
-    both = [charted()["chart"][i] for i in (3, 14)]
+    both = [analyzed(chart=True)["chart"][i] for i in (3, 14)]
     assert [one["patch"] for one in own["chart"]] == ["leaf", "red"]
     errors = [one["color_error"] for one in both]
     assert [one["color_error"] for one in own["chart"]] == pytest.approx(errors, abs=1e-9)

@@ -2,6 +2,7 @@
 
 import pytest
 
+from dear import dear
 from shells.browser import (
     EVERYTHING,
     answer_to,
@@ -46,16 +47,10 @@ def is_drawn(where):
     return drawn and not where.endswith(alone)
 
 
-WAYS = {
-    "either": (moved_by_mouse, moved_by_key),
-    "mouse": (moved_by_mouse,),
-    "key": (moved_by_key,),
-}
+WAYS = {"mouse": [moved_by_mouse], "key": [moved_by_key], "either": [moved_by_mouse, moved_by_key]}
 
 
-@pytest.mark.parametrize(
-    "ways", ["either", *(pytest.param(one, marks=pytest.mark.evidence) for one in ("mouse", "key"))]
-)
+@pytest.mark.parametrize("ways", ["either", *dear("mouse", "key")])
 def test_every_slider_moves_the_number_beside_it_the_question_the_drawings_and_the_address(
     window, ways
 ):

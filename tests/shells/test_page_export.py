@@ -85,13 +85,6 @@ def test_a_csv_of_a_chart_without_numbers_is_refused_in_one_sentence(client, que
     sentence_of(client.post("/api/csv", json={"study": STUDY, "part": "head"} | question), status)
 
 
-@pytest.mark.evidence  # beside the next one
-def test_the_report_of_the_default_study_is_that_of_the_command(client, tmp_path, monkeypatch):
-    text = client.post("/api/texts", json={"study": STUDY}).json()["toml"]
-    page = client.post("/api/report", json={"study": STUDY}).content
-    assert page == reported(tmp_path, text, monkeypatch)
-
-
 def test_the_report_of_the_page_is_that_of_the_command_also_of_dropped_files(
     client, tmp_path, monkeypatch
 ):

@@ -356,11 +356,6 @@ def test_rounding_a_shortened_number_is_rounding_the_number(value, digits):
 FIGURES = ("sensitivities", "comparison", "budget", "ellipses", "pareto")
 
 
-@pytest.mark.evidence  # beside that of the page, which is that of the command
-def test_a_rerun_gives_the_same_bytes_of_the_page(page, there):
-    assert study_report(there, sights_of(there)) == page
-
-
 def test_a_rerun_gives_the_same_bytes_of_the_figures(folder, there):
     figures = study_figures(there)
     assert set(figures) == set(FIGURES)
