@@ -21,6 +21,7 @@ from chromanoise.apps.denoising_benchmark.cells import benchmark_camera, denoisi
 from chromanoise.imaging import Work
 from chromanoise.sensor import Crosstalk, with_crosstalk, with_pixel
 from chromanoise.spectra import flat_cube
+from dear import dear
 from outcomes import refused_input
 
 FIELDS = {
@@ -98,10 +99,7 @@ def spawned(count):
     return ProcessPoolExecutor(count, mp_context=get_context("spawn"))
 
 
-@pytest.mark.parametrize(
-    "pool_of",
-    [PickledThreads, pytest.param(spawned, marks=pytest.mark.evidence)],
-)
+@pytest.mark.parametrize("pool_of", [PickledThreads, *dear(spawned)])
 def test_the_cells_are_the_same_for_one_and_two_workers(pool_of):
     asked = {
         "scenes": ["builtin:dead-leaves"],

@@ -26,6 +26,7 @@ from chromanoise.spectra import (
     equal_energy,
     illuminant_named,
 )
+from dear import dear
 from outcomes import refused_input
 
 GRID = Grid.uniform(400, 1000, 20)
@@ -132,7 +133,7 @@ PARTNER = {"rtn_share": {"rtn_amplitude_e": 9.0}, "rtn_amplitude_e": {"rtn_share
 
 
 @pytest.mark.parametrize("name", noise_properties())
-@pytest.mark.parametrize("matrix", ["kernel", "lmmse", "bounded-psi=2"])
+@pytest.mark.parametrize("matrix", ["kernel", "lmmse", *dear("bounded-psi=2")])
 def test_any_noise_of_the_pixel_of_a_candidate_is_that_of_its_sensor(matrix, name):
     rng = np.random.default_rng([3, list(noise_properties()).index(name)])
     scene, qe = scene_of(rng, matrix), bells(rng, 4, 3)

@@ -11,6 +11,7 @@ import pytest
 import design_problems
 from chromanoise.apps.design.front import Evaluated
 from chromanoise.apps.design.search import SearchOptions, scheduler_at, searched_front
+from dear import dear
 from design_problems import bnh
 from outcomes import refused_input
 
@@ -46,13 +47,13 @@ def same(one, other):
     return all(map(np.array_equal, arrays_of(one), arrays_of(other)))
 
 
-def test_a_cluster_gives_the_front_of_one_process_whatever_the_chunks(address):
+@pytest.mark.parametrize("threads", [7, *dear(1, 2, 60)])
+def test_a_cluster_gives_the_front_of_one_process_whatever_the_chunks(address, threads):
     here = searched_front(bnh(), SETTINGS)
     with scheduler_at(address) as two:
         assert two.threads == 2
-        for threads in (1, 2, 7, 60):
-            there = searched_front(sent(bnh()), SETTINGS, evaluate_on=replace(two, threads=threads))
-            assert same(there, here)
+        there = searched_front(sent(bnh()), SETTINGS, evaluate_on=replace(two, threads=threads))
+        assert same(there, here)
 
 
 def test_a_worker_that_is_killed_changes_no_bit(address):

@@ -32,6 +32,7 @@ from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import bayer
 from chromanoise.spectra import Cube, equal_energy
 from chromanoise.spectra.scene_rows import FileRows
+from dear import dear
 from outcomes import refused_input
 from processes import command, wait_for
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, with_pixel_of
@@ -259,7 +260,7 @@ def test_the_command_writes_the_same_files_on_threads_and_on_any_cluster(
     assert tifffile.imread(tmp_path / "there" / "model-rgb-ircut-0001.raw.tiff").std() > 0
 
 
-@pytest.mark.parametrize("after_s", [0.0, 3.0], ids="{:g} s".format)
+@pytest.mark.parametrize("after_s", [0.0, *dear(3.0)], ids="{:g} s".format)
 def test_a_stop_from_the_keyboard_ends_a_local_cluster_in_one_line(wide_file, tmp_path, after_s):
     with command(
         "simulate", wide_file, "--sensor", "model-rgb-ircut", "--mosaic", "bayer", "--raw-only",

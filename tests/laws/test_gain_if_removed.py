@@ -20,6 +20,7 @@ from chromanoise.study import (
     lab_budgets,
     sensor_named,
 )
+from dear import dear
 
 LAMP = equal_energy(DEFAULT_GRID)
 WHITE = flat_field(LAMP, level_lux=10.0)
@@ -66,7 +67,9 @@ def of_cause(budget, cause):
 # noise
 
 
-@pytest.mark.parametrize(("stage", "level_lux"), [(None, 0.05), ("light", 10.0), ("charge", 0.05)])
+@pytest.mark.parametrize(
+    ("stage", "level_lux"), [("charge", 0.05), *dear((None, 0.05), ("light", 10.0))]
+)
 def test_the_gain_of_a_source_is_the_snr_of_a_sensor_built_without_it(stage, level_lux):
     def budgets_without(*causes):
         sensor = noisy("model-rgb", *causes)

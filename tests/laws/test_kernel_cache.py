@@ -71,6 +71,7 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen_though_its_date_is_older
     assert folder.exists()  # another process may work with it
 
 
+@pytest.mark.evidence
 def test_a_change_in_a_file_that_a_kernel_of_another_package_calls_is_seen(installed):
     other = installed.parent / "other"
     other.mkdir()
@@ -100,6 +101,7 @@ def test_a_folder_for_kernels_that_the_user_names_is_used(installed, tmp_path):
     assert asked(installed, **named)[2].is_relative_to(tmp_path / "named")
 
 
+@pytest.mark.evidence
 def test_without_a_folder_for_kernels_they_are_kept_for_the_user_or_in_memory(installed, tmp_path):
     (installed / "__pycache__").write_text("no folder")  # as if nothing could be written there
     caches = {"XDG_CACHE_HOME": str(tmp_path / "caches"), "TMPDIR": str(tmp_path)}

@@ -72,6 +72,7 @@ def bent_line(fitted, *, gain, read_e, bend):
 # errors
 
 
+@pytest.mark.evidence
 def test_standard_errors_of_200_linear_cameras_are_those_of_their_scatter():
     rng = np.random.default_rng(1)
     z = {"K": [], "sigma_d": [], "qe": [], "bend": []}

@@ -25,7 +25,7 @@ def check(records, monkeypatch):
     assert not found
 
 
-@pytest.mark.parametrize("part", range(4))
+@pytest.mark.parametrize("part", [1, 3])  # those of few seconds
 def test_a_stored_study_gives_the_stored_hash_forms_and_numbers(part, monkeypatch):
     check([one for one in RECORDS[10 * part :: 40] if "pictures" not in one["study"]], monkeypatch)
 

@@ -65,6 +65,7 @@ from chromanoise.study import (
     pipeline_noise,
     sensor_named,
 )
+from dear import dear
 from outcomes import refused_input
 from strategies import raw_of
 
@@ -82,8 +83,11 @@ def seen(name="model-rgb-ircut", level_lux=10.0, pixel=(), lamp=LAMP, time_s=0.0
 
 
 @cache
-def found(analysis=None, **settings):
-    return pipeline_noise(analysis or seen(), PipelineSettings(**settings))
+def found(analysis=None, method=None, **settings):
+    return pipeline_noise(analysis or seen(), PipelineSettings(**settings), method=method)
+
+
+quick = partial(found, method=first_order)  # for what does not depend on the method
 
 
 def random_raw(rng, p=3):
@@ -111,7 +115,7 @@ def test_the_linear_steps_compose_to_one_matrix(seed, p):
 
 def test_the_steps_of_a_chart_compose_to_one_matrix():
     analysis = seen()
-    result = found(analysis, saturation=1.2, exposure_gain=0.8)
+    result = quick(analysis, saturation=1.2, exposure_gain=0.8)
     white = analysis.matrix.matrix @ analysis.expected_e
     steps = rendering_matrix(white / white[1], exposure_gain=0.8, saturation=1.2)
     one = steps @ analysis.matrix.matrix / white[1]
@@ -235,7 +239,7 @@ def drawn_steps(analysis, gain, patch, draws=400_000):
 FEW = {"read_noise_e": 0.7, "dark_current_e_per_s": 90.0, "full_well_e": 3000.0}
 
 
-@pytest.mark.parametrize("converter", [{}, {"bits": 12, "gain_e_per_dn": 12.0}])
+@pytest.mark.parametrize("converter", [*dear({}), {"bits": 12, "gain_e_per_dn": 12.0}])
 def test_every_step_of_few_electrons_has_the_moments_of_plain_draws(converter):
     analysis = seen(level_lux=3.0, time_s=0.008, pixel=tuple((FEW | converter).items()))
     result = found(analysis, iso=(800.0,)).iso[0]
@@ -290,29 +294,29 @@ def test_balanced_by_gray_a_gray_has_the_same_raw_in_all_channels():
 
 
 def test_correct_gains_do_not_change_the_color_and_others_tint_it():
-    balanced = found().step("linear sRGB")
+    balanced = quick().step("linear sRGB")
     analysis = seen()
     gains = gray_gains(analysis.expected_e, analysis.sensor.names)
-    given = found(white_balance=tuple(gains.tolist())).step("linear sRGB")
+    given = quick(white_balance=tuple(gains.tolist())).step("linear sRGB")
     assert given.mean == pytest.approx(balanced.mean, rel=1e-12)
     warm = black_body(DEFAULT_GRID, 2856.0)
-    tinted = found(white_balance=warm).step("Lab").mean[18:]
-    assert (tinted[:, 2] < found().step("Lab").mean[18:, 2] - 10).all()  # gains for A: E is blue
+    tinted = quick(white_balance=warm).step("Lab").mean[18:]
+    assert (tinted[:, 2] < quick().step("Lab").mean[18:, 2] - 10).all()  # gains for A: E is blue
 
 
 def test_a_black_level_error_moves_the_gains_by_gray_but_not_those_of_the_illuminant():
     lifted = seen(pixel=(("black_error_e", 50.0),))
-    assert found(lifted).gains != pytest.approx(found().gains, rel=1e-3)
-    assert found(lifted, white_balance=LAMP).gains == pytest.approx(found().gains, rel=1e-12)
-    raw = found(lifted).step("raw").mean - found().step("raw").mean
+    assert quick(lifted).gains != pytest.approx(quick().gains, rel=1e-3)
+    assert quick(lifted, white_balance=LAMP).gains == pytest.approx(quick().gains, rel=1e-12)
+    raw = quick(lifted).step("raw").mean - quick().step("raw").mean
     assert raw == pytest.approx(50.0)
 
 
-@pytest.mark.parametrize("name", ["model-rgb-ircut", "onyx-rgbw"])
+@pytest.mark.parametrize("name", ["model-rgb-ircut", *dear("onyx-rgbw")])
 def test_gains_from_gray_pixels_scatter_by_the_delta_method(name):
     repeats, pixels = 4000, 256
     analysis = seen(name, level_lux=1.0)
-    result = found(analysis, white_balance_pixels=pixels)
+    result = quick(analysis, white_balance_pixels=pixels)
     gray = 0.18 * analysis.expected_e
     noise = noise_sources(analysis.sensor, analysis.exposure)
     means = sample_electrons(
@@ -343,7 +347,7 @@ def test_gains_from_gray_pixels_scatter_by_the_delta_method(name):
 
 
 def test_more_gray_pixels_give_better_gains_as_one_over_n():
-    few, many = (found(white_balance_pixels=n).white_balance_noise for n in (4, 400))
+    few, many = (quick(white_balance_pixels=n).white_balance_noise for n in (4, 400))
     assert few.gains_covariance == pytest.approx(100 * many.gains_covariance, rel=1e-12)
     assert few.delta_e == pytest.approx(10 * many.delta_e, rel=1e-12)
 
@@ -364,7 +368,7 @@ def test_s_and_o_are_those_of_the_noise_profile_of_the_converter(gain):
     pixel = (("bits", 12), ("gain_e_per_dn", 2.0), ("black_level_dn", 64), ("read_noise_e", 5.0))
     pixel += (("dark_current_e_per_s", 40.0), ("dsnu_e", 1.5), ("row_noise_e", 1.0), ("prnu", 0.01))
     analysis = seen(pixel=pixel, time_s=0.008)
-    result = found(analysis, iso=(100.0 * gain,)).iso[0]
+    result = quick(analysis, iso=(100.0 * gain,)).iso[0]
     adc = Adc(bits=12, gain_e_per_dn=2.0 / gain, black_level_dn=64)
     noise_e = np.sqrt(5.0**2 + 40.0 * 0.008 / gain + 1.5**2 + 1.0**2)
     for profile in result.noise_profile:
@@ -377,29 +381,29 @@ def test_the_gain_of_digital_binning_is_that_of_one_reading():
     binned = with_binning(with_pixel(seen().sensor, {"gain_e_per_dn": 2.0}), 4, "digital")
     analysis = seen()
     analysis = analyzed(analysis.scene, binned, Exposure(time_s=0.002))
-    gains = [one.gain_dn_per_e for one in found(analysis, iso=(100.0, 800.0)).iso]
+    gains = [one.gain_dn_per_e for one in quick(analysis, iso=(100.0, 800.0)).iso]
     assert gains == pytest.approx([0.5, 4.0])
 
 
 def test_the_read_noise_of_an_iso_is_that_of_one_of_the_binned_pixels():
     sensor = with_binning(with_pixel(seen().sensor, {"read_noise_e": 5.0}), 4, "digital")
     analysis = analyzed(seen().scene, sensor, Exposure(time_s=0.002))
-    same = found(analysis, iso=(100.0, 400.0))
-    given = found(analysis, iso=(100.0, 400.0), iso_read_noise_e=(5.0, 5.0))
+    same = quick(analysis, iso=(100.0, 400.0))
+    given = quick(analysis, iso=(100.0, 400.0), iso_read_noise_e=(5.0, 5.0))
     assert [one.read_noise_e for one in given.iso] == [one.read_noise_e for one in same.iso]
     assert given.iso[0].steps is given.steps
 
 
 def test_a_black_level_error_changes_no_noise_profile():
     iso = (100.0, 800.0)
-    plain = found(iso=iso, white_balance=LAMP)
-    shifted = found(seen(pixel=(("black_error_e", 400.0),)), iso=iso, white_balance=LAMP)
+    plain = quick(iso=iso, white_balance=LAMP)
+    shifted = quick(seen(pixel=(("black_error_e", 400.0),)), iso=iso, white_balance=LAMP)
     for one, other in zip(plain.iso, shifted.iso, strict=True):
         assert other.noise_profile == pytest.approx(one.noise_profile, rel=1e-12)
 
 
 def test_the_profile_predicts_the_variance_of_a_patch():
-    result = found(seen(pixel=(("bits", 12),)), iso=(800.0,)).iso[0]
+    result = quick(seen(pixel=(("bits", 12),)), iso=(800.0,)).iso[0]
     raw = result.steps[0].measurement
     x = raw.mean / result.white_level_e
     shot, dark = result.noise_profile.T
@@ -414,7 +418,7 @@ def test_dynamic_range_is_that_of_emva_1288(gain):
         {"full_well_e": 9000.0, "read_noise_e": 3.0, "bits": 10},
     )
     analysis = analyzed(flat_field(LAMP, level_lux=1.0), sensor, Exposure(time_s=0.005))
-    result = found(analysis, iso=(100.0 * gain,)).iso[0]
+    result = quick(analysis, iso=(100.0 * gain,)).iso[0]
     step = 9000.0 / 1023.0 / gain
     dark = (3.0**2 + step**2 / 12) ** 0.5
     assert result.dynamic_range_db[0] == pytest.approx(20 * np.log10(9000.0 / gain / dark))
@@ -434,7 +438,7 @@ def test_a_known_converter_limits_the_signal_until_the_well_does():
 
 
 def test_at_the_base_iso_the_steps_are_those_of_the_operating_point():
-    result = found(iso=(100.0, 400.0), iso_read_noise_e=(10.0, 10.0))
+    result = quick(iso=(100.0, 400.0), iso_read_noise_e=(10.0, 10.0))
     assert result.iso[0].steps is result.steps
     assert [step.name for step in result.iso[1].steps] == NAMES
 
@@ -460,7 +464,7 @@ def test_crosstalk_after_counting_reaches_the_steps_and_the_noise_in_the_dark():
         Crosstalk(matrix=mixing, pixels=(1, 1, 1), stage="charge"),
     )
     analysis = analyzed(flat_field(LAMP, level_lux=10.0), coupled, Exposure(time_s=0.009))
-    result = found(analysis)
+    result = quick(analysis)
     raw = result.step("raw").covariance
     assert (raw[:, 0, 1] > 0).all()
     dark_e = 3000.0 * 0.009
@@ -477,7 +481,7 @@ def test_crosstalk_after_counting_reaches_the_steps_and_the_noise_in_the_dark():
 
 
 def test_the_result_names_its_steps_and_is_plain_data():
-    result = found(white_balance_pixels=10)
+    result = quick(white_balance_pixels=10)
     assert [step.name for step in result.steps] == NAMES
     data = plain(result)
     assert data["white_balance"] == "gray"
@@ -499,8 +503,8 @@ def test_a_saturated_sensor_has_no_pipeline():
 
 def test_readings_above_1_are_noted_with_their_share():
     analysis = seen(level_lux=40.0)
-    assert not any("exceed" in note for note in found(analysis).notes)
-    result = found(analysis, exposure_gain=1.12)
+    assert not any("exceed" in note for note in quick(analysis).notes)
+    result = quick(analysis, exposure_gain=1.12)
     (note,) = [one for one in result.notes if "exceed" in one]
     assert "white (" in note
     own = result.step("saturation")
@@ -513,17 +517,17 @@ def test_what_cannot_be_balanced_or_clips_is_refused():
     with refused_input(subject="white_balance", value=0.0):
         gray_gains(np.array([1.0, 0.0]), ("G", "R"))
     with refused_input(subject="white_balance", value=(2.0, 1.0)):
-        found(white_balance=(2.0, 1.0))
+        quick(white_balance=(2.0, 1.0))
     with refused_input(subject="white_balance", value=0.0):
         checked_gains((0.0, 1.0), ("R", "G"))
     with refused_input(subject="exposure_gain", value=2.0):
-        found(exposure_gain=2.0)
+        quick(exposure_gain=2.0)
     with refused_input(subject="white_balance", value=(4.0, 2.0, 3.0)):
-        found(white_balance=(4.0, 2.0, 3.0))
+        quick(white_balance=(4.0, 2.0, 3.0))
     with refused_input(subject="iso", where="full_well_e"):
-        found(seen("model-mono", level_lux=0.001, pixel=(("full_well_e", 5.0),)), iso=(1e7,))
+        quick(seen("model-mono", level_lux=0.001, pixel=(("full_well_e", 5.0),)), iso=(1e7,))
     with refused_input(subject="white_balance"):
-        found(seen(pixel=(("black_error_e", -5000.0),)))
+        quick(seen(pixel=(("black_error_e", -5000.0),)))
 
 
 @pytest.mark.parametrize(
@@ -550,7 +554,7 @@ def test_settings_out_of_range_are_refused(settings, subject):
 
 def test_a_step_that_does_not_exist_is_refused():
     with refused_input(subject="step", value="jpeg"):
-        found().step("jpeg")
+        quick().step("jpeg")
 
 
 def test_an_analysis_in_other_coordinates_is_refused():

@@ -366,7 +366,7 @@ def test_the_worst_pair_has_the_least_distance_in_raw_values():
     assert (found.distance[RAW] >= found.distance[RAW][found.worst]).all()
 
 
-@pytest.mark.parametrize("lux", [10.0, 0.1, 0.01])
+@pytest.mark.parametrize("lux", [10.0, 0.1, pytest.param(0.01, marks=pytest.mark.evidence)])
 @pytest.mark.parametrize("chosen", [slice(None), slice(0, 275)])  # an even and an odd count
 def test_median_and_worst_pair_are_those_of_all_pairs(lux, chosen):
     """With brightness and without, distance and probability, from all pairs by sorting."""

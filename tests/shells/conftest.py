@@ -55,6 +55,18 @@ def done(run):
     return call
 
 
+@pytest.fixture
+def no_sliders(monkeypatch):
+    """Reports of this process have no sliders, whose answers take most of the time."""
+    monkeypatch.setattr("chromanoise.web.report_of_study.slides_of", lambda of: ())
+
+
+@pytest.fixture
+def plain_report(no_sliders, monkeypatch):
+    """Reports of this process have no card either."""
+    monkeypatch.setattr("chromanoise.web.report_of_study.MOST_ON_CARD", 0)
+
+
 _MODULES = {
     "bm3d": "bm3d",
     "cma": "cma",

@@ -64,7 +64,11 @@ EDITS = {  # by file: what is inserted, each before a text
     ],
 }
 STUDY = '[[sensors]]\nname = "onyx-rgbw"\n[[sensors]]\nname = "onyx-rgb"\n'
-COMMAND = "from chromanoise.cli import main; main()"
+COMMAND = (  # without card and sliders, which take most of the time
+    "from chromanoise.web import report_of_study as report; "
+    "report.MOST_ON_CARD, report.slides_of = 0, lambda of: (); "
+    "from chromanoise.cli import main; main()"
+)
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +76,7 @@ def copy(tmp_path_factory):
     """A folder with a copy of the package that has the new chart."""
     folder = tmp_path_factory.mktemp("copy")
     package = folder / "chromanoise"
-    ignored = shutil.ignore_patterns("__pycache__")
+    ignored = shutil.ignore_patterns("kernels-*", "*.pyi")  # its bytecode is kept
     shutil.copytree(Path(chromanoise.__file__).parent, package, ignore=ignored)
     (package / "charts" / "pitches.py").write_text(NEW, encoding="utf-8")
     for name, edits in EDITS.items():

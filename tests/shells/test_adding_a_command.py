@@ -69,7 +69,7 @@ def answers(tmp_path_factory):
     """What a copy of the package with the new command answers."""
     folder = tmp_path_factory.mktemp("copy")
     copy = folder / "chromanoise"
-    ignored = shutil.ignore_patterns("__pycache__")
+    ignored = shutil.ignore_patterns("kernels-*", "*.pyi")  # its bytecode is kept
     shutil.copytree(Path(chromanoise.__file__).parent, copy, ignore=ignored)
     (copy / "cli" / "list_channels.py").write_text(MODULE, encoding="utf-8")
     entry = copy / "cli" / "entry.py"

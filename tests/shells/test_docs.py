@@ -83,10 +83,10 @@ def test_each_command_of_the_readme_runs_without_extras(readme_folder, done, wit
 def test_the_starter_design_is_searched_without_extras(here, done, without_extras):
     done("init", "--design", "design.toml")
     starter = Path("design.toml").read_text(encoding="utf-8")
-    quick = starter.replace("population = 200 ", "population = 20\npolish = false\nseeds = 1 ")
+    quick = starter.replace("population = 200 ", "population = 8\npolish = false\nseeds = 1 ")
     assert quick != starter
     Path("design.toml").write_text(quick, encoding="utf-8")
-    out, _ = done("optimize", "design.toml", "-o", "found", "--budget", 100)
+    out, _ = done("optimize", "design.toml", "-o", "found", "--budget", 8)
     assert "snr_y_db" in out
 
 

@@ -16,8 +16,9 @@ from chromanoise.base.files import OWN_FILES
 from chromanoise.cli import main
 from outcomes import refused
 
-SHORT = DESIGN_STARTER.replace("population = 200", "population = 16")
-EFFORT = ("--budget", "64")
+OF_CHART = DESIGN_STARTER.replace('["kernel"]', '["lmmse"]\nprior = "chart"')  # few reflectances
+SHORT = OF_CHART.replace("population = 200", "population = 8\nseeds = 1\npolish = false")
+EFFORT = ("--budget", "32")
 
 
 @pytest.fixture
@@ -81,8 +82,9 @@ def test_each_member_is_a_sensor_file_that_analyze_takes_with_the_snr_of_the_fro
 def test_the_references_have_the_snr_that_analyze_gives_them(searched):
     references = front_of(searched[1])["references"]
     found = {one["name"]: one["objectives"]["snr_y_db"] for one in references}
-    given = cn.analyze("onyx-rgbw", "onyx-rgb-ircut").color_snr_db()
-    assert found == pytest.approx({name: snr["Y"] for name, snr in given.items()}, rel=1e-9)
+    given = cn.analyze("onyx-rgbw", "onyx-rgb-ircut", matrix="lmmse", prior="chart")
+    snrs = {name: snr["Y"] for name, snr in given.color_snr_db().items()}
+    assert found == pytest.approx(snrs, rel=1e-9)
 
 
 def test_members_are_sorted_from_the_best_of_the_first_objective_and_none_dominates(searched):
@@ -90,10 +92,15 @@ def test_members_are_sorted_from_the_best_of_the_first_objective_and_none_domina
     assert values == sorted(values, reverse=True)  # a lower SNR must pay with a lower color error
 
 
-def test_a_stopped_search_continues_to_the_front_of_one_that_was_not(done, design):
-    done("optimize", design, "--budget", "32", "-o", "out/a")
-    done("optimize", design, "--budget", "64", "-o", "out/a", "--resume")
-    done("optimize", design, "--budget", "64", "-o", "out/b")
+SEVERAL = OF_CHART.replace("population = 200", "population = 8")  # seeds, and a polish
+
+
+@pytest.mark.parametrize("text", [SHORT, pytest.param(SEVERAL, marks=pytest.mark.evidence)])
+def test_a_stopped_search_continues_to_the_front_of_one_that_was_not(done, design, text):
+    design.write_text(text)
+    done("optimize", design, "--budget", "16", "-o", "out/a")
+    done("optimize", design, *EFFORT, "-o", "out/a", "--resume")
+    done("optimize", design, *EFFORT, "-o", "out/b")
     a, b = (files_of(design.parent / "out" / name) for name in "ab")
     a.pop("design.json"), b.pop("design.json")  # they record their own budgets
     assert a == b
@@ -106,7 +113,7 @@ def test_another_seed_gives_another_front(done, design, searched):
 
 def test_the_function_gives_the_front_of_the_command_again(searched):
     folder, results, _ = searched
-    front = cn.optimize(folder / "design.toml", budget=64)
+    front = cn.optimize(folder / "design.toml", budget=32)
     assert front.to_dict() == front_of(results)
     assert len(front.to_dataframe()) == len(front.members) + len(front.references)
     assert front.sensor(front.members[0].name).names == ("R", "G", "B")
@@ -183,7 +190,7 @@ def test_contradicting_constraints_are_one_sentence_that_names_them(run, design)
 
 def test_a_designed_exposure_and_matrix_are_those_of_the_command_of_a_member(done, design):
     numbers = "[design.exposure]\ntime_ms = [2, 8]\n[design.matrix]\nnoise_weight = [0.1, 1]\n"
-    design.write_text(SHORT.replace('["kernel"]', '["lmmse"]') + numbers)
+    design.write_text(SHORT + numbers)
     done("optimize", design, *EFFORT, "-o", "out")
     for member in front_of(design.parent / "out")["members"][:2]:
         words = shlex.split(member["analyze"])
@@ -201,7 +208,7 @@ def test_a_designed_exposure_and_matrix_are_those_of_the_command_of_a_member(don
 def test_the_printed_tables_fit_100_characters_with_many_objectives(done, design):
     many = '["snr_y_db", "delta_e", "vora", "noise_delta_e", "mean_separation"]'
     design.write_text(SHORT.replace('["snr_y_db", "delta_e"]', many))
-    out, _ = done("optimize", design, "--budget", "16")
+    out, _ = done("optimize", design, "--budget", "8")
     assert max(len(line) for line in out.splitlines() if line[:1] in "┃│┏┡└") == 100
 
 

@@ -2,11 +2,14 @@
 
 import pytest
 
+from dear import dear
 from shells.browser import (
+    EVERYTHING,
     answer_to,
     at_rest,
     in_address,
     moved_by_key,
+    open_drawers,
     painted,
     shown,
     state_of,
@@ -33,10 +36,6 @@ def moved_by_mouse(page, track):
     page.mouse.click(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
 
 
-def is_of_another_card(where):
-    return where.startswith(("sensors.1.", "sensors.2."))
-
-
 def is_drawn(where):
     """Whether a drawing shows it: not so the file of a sensor, the picture, a run and its seed.
 
@@ -48,20 +47,26 @@ def is_drawn(where):
     return drawn and not where.endswith(alone)
 
 
-@pytest.mark.parametrize("way", [moved_by_mouse, moved_by_key])
+WAYS = {"mouse": [moved_by_mouse], "key": [moved_by_key], "either": [moved_by_mouse, moved_by_key]}
+
+
+@pytest.mark.parametrize("ways", ["either", *dear("mouse", "key")])
 def test_every_slider_moves_the_number_beside_it_the_question_the_drawings_and_the_address(
-    page, way
+    window, ways
 ):
     moved = []
+    page = window({"study": EVERYTHING | {"sensors": EVERYTHING["sensors"][:1]}, "look": {}})
+    open_drawers(page)
     switch = page.get_by_role("switch", name="Auto exposure")
     switch.click()  # else there is no share to solve for
     for i, where, disabled in sliders(page):
-        if disabled or is_of_another_card(where) or not is_drawn(where):
-            continue  # the cards of the sensors are alike
+        if disabled or not is_drawn(where):
+            continue
+        way = WAYS[ways][len(moved) % len(WAYS[ways])]
         track = page.locator(TRACKS).nth(i)
         number = track.locator("xpath=..").locator("input.field")
         before = (number.input_value(), shown(page), painted(page))
-        question, _ = answer_to(page, lambda track=track: way(page, track))
+        question, _ = answer_to(page, lambda act=way, track=track: act(page, track))
         assert number.input_value() != before[0], where
         assert painted(page) > before[2], where
         assert shown(page) != before[1], where
@@ -219,10 +224,10 @@ def test_matrices_are_added_changed_moved_and_removed_by_the_keyboard(page):
     assert page.get_by_role("button", name="Remove matrix 1").is_disabled()
 
 
-def test_ten_sensors_are_the_most(page):
+def test_ten_sensors_are_the_most(window):
+    page = window({"study": {"sensors": [{"name": "onyx-rgb"}] * 8}, "look": {}})
     answer_to(page, page.get_by_role("button", name="Add a sensor").click)
-    for i in range(6):
-        answer_to(page, page.get_by_role("button", name=f"Duplicate sensor {i + 1}").click)
+    answer_to(page, page.get_by_role("button", name="Duplicate sensor 8").click)
     assert page.locator("#electrons tbody tr").count() == 10
     assert page.get_by_role("button", name="Add a sensor").is_disabled()
     assert page.get_by_role("button", name="Duplicate sensor 1", exact=True).is_disabled()

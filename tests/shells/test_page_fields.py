@@ -131,7 +131,7 @@ def test_the_script_of_the_page_has_the_defaults_of_the_library():
 
 
 def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):
-    study = {"sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}]}
+    study = {"sensors": [{"name": "onyx-rgbw"}]}
     page = window({"study": study}, viewport={"width": 1280, "height": 400})  # few charts in sight
     open_drawers(page)
     known = page.locator("#hash").inner_text()

@@ -5,6 +5,7 @@ import pytest
 from chromanoise.charts import drawing, shown
 from chromanoise.charts.by_name import SECTIONS
 from chromanoise.study import study_from_data
+from dear import dear
 from shells.browser import answer_to, at_rest, until
 from shells.test_page_looks import axe, faults_of_access
 
@@ -182,7 +183,7 @@ def test_on_a_phone_a_sheet_holds_the_controls_and_leaves_verdict_and_picture_in
         page.wait_for_function("width => document.documentElement.scrollWidth <= width", arg=width)
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", *dear("dark")])
 def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, scheme):
     size = {"width": 2560, "height": 1440}
     page = window({"study": study_with(MANY), "look": {}}, color_scheme=scheme, viewport=size)
@@ -192,7 +193,7 @@ def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, schem
     assert page.evaluate("document.documentElement.scrollWidth") <= 2560
 
 
-@pytest.mark.parametrize("width", [360, 390, 480])
+@pytest.mark.parametrize("width", [360, *dear(390, 480)])
 def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(window, width):
     page = window(viewport={"width": width, "height": 844})
     for name in ("#tour", "#menu", "#more"):
@@ -226,7 +227,7 @@ BEGINS = """(picture) => {
 }"""
 
 
-@pytest.mark.parametrize("of", [{"viewport": {"width": 1280, "height": 800}}, PHONE])
+@pytest.mark.parametrize("of", [*dear({"viewport": {"width": 1280, "height": 800}}), PHONE])
 def test_the_same_patches_stand_left_and_right_of_the_divider_wherever_it_is(window, of):
     page = window(**of)
     panel = page.locator("[data-part=picture]")

@@ -470,7 +470,7 @@ def test_a_wait_for_the_first_picture_is_told_in_its_place_with_the_reason(windo
     assert "being made" not in said.inner_text()
 
 
-@pytest.mark.parametrize("how", ["lost", "busy"])
+@pytest.mark.parametrize("how", [pytest.param("lost", marks=pytest.mark.evidence), "busy"])
 def test_a_picture_that_was_lost_is_asked_for_once_more(window, watch, how):
     watch.forgive("net::ERR_")
     page = window()

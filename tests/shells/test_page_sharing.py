@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 from served_page import served, stopped
 from shells.browser import answer_to, at_rest, packed, shown, state_of, study_of, until
@@ -207,6 +208,7 @@ NO_CLIPBOARD = """Object.defineProperty(navigator, "clipboard", {
     value: { writeText: () => Promise.reject(new Error("not allowed")) } })"""
 
 
+@pytest.mark.evidence
 def test_the_copied_study_and_the_copied_command_give_the_digits_of_the_page(window, tmp_path):
     page = window({"study": STUDY, "look": {}})
     page.evaluate(NO_CLIPBOARD)

@@ -37,6 +37,7 @@ from chromanoise.web.processes import Workers
 from chromanoise.web.requests import Bodies, Kept, QuestionError, Uploads
 from chromanoise.web.server import _Server
 from chromanoise.web.worker import Services
+from dear import dear
 from processes import Patient
 from served_page import served
 
@@ -615,7 +616,7 @@ def test_the_study_that_the_server_starts_with_is_not_computed_without_a_bound(m
     assert all(one["study"]["sensors"] != STUDY["sensors"] for one in computed)
 
 
-@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("stop", [signal.SIGKILL, *dear(signal.SIGINT, signal.SIGTERM)])
 def test_no_process_is_left_when_the_server_ends(stop):
     with served() as (address, process):
         with httpx.Client(base_url=address.rstrip("/"), timeout=600) as client:

@@ -8,6 +8,7 @@ import pytest
 import chromanoise as cn
 from chromanoise.base import described_keys
 from chromanoise.study import RESULT_KINDS, names_of_entries
+from dear import dear
 
 PAIR = ("analyze", "onyx-rgbw", "onyx-rgb")
 LOW_DB, HIGH_DB = sorted(cn.analyze(*PAIR[1:]).color_snr_db()[name]["Y"] for name in PAIR[1:])
@@ -24,7 +25,7 @@ DARK_DB = float(cn.compare("onyx-rgb", points=3, first=1, last=10).curves[0].val
         (PAIR, f"sensors.color.snr_db.y > {BETWEEN}", ("onyx-rgb: ", "above")),
         (PAIR, "sensors.rank == 4", ("onyx-rgbw: sensors.rank is 4",)),
         (PAIR, "channels.snr-db > 39", ("channels.W.snr_db",)),
-        ((*PAIR, "--chart"), f"snr_y_db < {BETWEEN}", ("onyx-rgbw: snr_y_db is ",)),
+        *dear(((*PAIR, "--chart"), f"snr_y_db < {BETWEEN}", ("onyx-rgbw: snr_y_db is ",))),
         ((*PAIR, "--time-ms", "100"), "snr_y_db < 0", ("snr_y_db is not defined", "cannot be")),
         (("matrix", "onyx-rgb"), "snr_y_db < 99", ("onyx-rgb: snr_y_db is ",)),
         (SWEPT, f"snr_y_db < {DARK_DB + 1e-6}", ("onyx-rgb: snr_y_db at lux 1 is",)),

@@ -114,6 +114,7 @@ def test_a_comparison_of_separations_crosses_where_the_medians_do(done):
     assert medians[0] == pytest.approx(medians[1], rel=2e-3)
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_the_report_for_a_machine_has_the_medians_of_the_command(done, here):
     (here / "s.toml").write_text(
         '[[sensors]]\nname = "onyx-rgbw"\n[exposure]\ntime_ms = 12\n[outputs]\nreader = "machine"\n'

@@ -16,6 +16,7 @@ from urllib.parse import urlsplit
 import pytest
 
 import chromanoise as cn
+from dear import dear_if
 from documentation import (
     faults_of_class,
     faults_of_function,
@@ -109,14 +110,10 @@ RUNNING = [
 ]
 
 
-LONG = ("denoising.md", "characterize.md")
+LONG = ("denoising.md", "characterize.md", "own_matrix.md", "pixel_shares.md")
 
 
-@pytest.mark.parametrize(
-    "path",
-    [pytest.param(p, marks=pytest.mark.evidence) if p.name in LONG else p for p in RUNNING],
-    ids=page_id,
-)
+@pytest.mark.parametrize("path", dear_if(lambda path: path.name in LONG, RUNNING), ids=page_id)
 def test_every_block_of_a_page_runs_without_extras_and_prints_what_the_page_says(
     path, here, done, capsys, without_extras
 ):

@@ -7,6 +7,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 
+from dear import dear_if
+
 FOLDER = Path(__file__).parents[2] / "docs" / "tutorials"
 NOTEBOOKS = {path.stem: json.loads(path.read_text("utf-8")) for path in FOLDER.glob("*.ipynb")}
 FIGURES = {"designer": 6, "isp_engineer": 3, "color_scientist": 2, "teacher": 6}
@@ -89,7 +91,7 @@ def test_a_tutorial_uses_only_public_names(name):
         assert "." not in module.removeprefix("apps."), module
 
 
-@pytest.mark.parametrize("name", CLAIMS)
+@pytest.mark.parametrize("name", dear_if(("isp_engineer", "designer").__contains__, CLAIMS))
 def test_a_tutorial_runs_and_its_text_states_what_it_computes(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     plt.switch_backend("agg")
