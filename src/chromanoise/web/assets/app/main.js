@@ -35,8 +35,10 @@ const IN_FLIGHT = 2;
 /** Of A4 and Letter, where the style of print makes 0.7 of it. */
 const PAPER_PX = 976;
 
-/** So often a verdict follows what is dragged; at rest it follows at once. */
-const VERDICT_MS = 300;
+/** A verdict takes longer than all numbers: it is asked for after a pause so long, in ms ... */
+const PAUSE_MS = 60;
+/** ... and so often while something moves. */
+const VERDICT_MS = 500;
 
 /** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
 const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
@@ -49,6 +51,8 @@ const root = document.documentElement;
  * @property {number} headVersion of the numbers that are shown
  * @property {number} verdictVersion of the verdict that is shown
  * @property {number} judged when that was shown [ms]
+ * @property {number} moved when the study last changed [ms]
+ * @property {number | undefined} pause
  * @property {boolean} calm whether nothing moves
  * @property {Question | null} answered
  * @property {number} failedVersion
@@ -73,6 +77,8 @@ const page = /** @type {Page} */ (
     headVersion: -1,
     verdictVersion: -1,
     judged: -Infinity,
+    moved: -Infinity,
+    pause: undefined,
     calm: false,
     answered: null,
     failedVersion: -1,
@@ -120,8 +126,14 @@ function question() {
 function laterQuestion() {
   if (!page.answered || page.failedVersion >= page.answered.version) return null;
   const { study, look, version } = page.answered;
-  const due = version === page.version || performance.now() - page.judged > VERDICT_MS;
-  if (page.verdictVersion < version && due) return { study, want: ["head"], look, version };
+  if (page.verdictVersion < version) {
+    const now = performance.now();
+    const due = now - page.moved >= PAUSE_MS || now - page.judged > VERDICT_MS;
+    if (due) return { study, want: ["head"], look, version };
+    clearTimeout(page.pause);
+    page.pause = setTimeout(() => page.later.ask(), PAUSE_MS);
+    return null;
+  }
   const parts = stale(version);
   const slow = parts.filter((part) => panelOf(part).visible && isSlow(part, study));
   // the map comes last and alone, for it takes longest
@@ -292,6 +304,7 @@ function changed(state, what) {
   const asked = JSON.stringify(askedLook(state.look));
   if (what !== "look" || asked !== askedBefore) {
     page.version += 1;
+    page.moved = performance.now();
     page.calm = false;
     clearTimeout(page.idle);
     // first of all, so that the server computes while the controls are drawn
