@@ -30,7 +30,7 @@ def test_the_numbers_are_those_of_the_paper_and_the_verdict():
     verdict = " ".join(drawing("head", of)["verdict"])
     lead_db = column(ranking, "raw_db", "values")
     assert f"{lead_db[0] - lead_db[1]:.1f} dB more raw SNR" in verdict
-    assert "SNR of Y 26.0 against 32.4 dB" in verdict
+    assert "less SNR of Y than onyx-rgb-ircut on a perfect white (26.0 against 32.4 dB)" in verdict
     assert "best linear readout" in ranking["columns"][1]["what"]
 
 

@@ -100,7 +100,9 @@ def test_the_svg_has_the_verdict_and_the_numbers_of_the_analysis(pair, svg):
     result = cn.analyze(*PAIR, lux=3)
     sentences = result.verdict.sentences
     assert sentences[0] in shown
-    assert next(one for one in sentences if "; with the matrix " in one) in shown
+    for one in result.verdict.told:
+        if one.about in ("why", "total", "matrix"):
+            assert one.text in shown
     assert pair.footer in shown
     assert conditions(result.points) in pair.footer
     for point, analysis in zip(result.points, result.analyses, strict=True):
@@ -185,6 +187,15 @@ def test_of_five_sensors_the_winner_and_the_second_have_a_picture():
     assert sorted(FIVE[i] for i in card.shown) == sorted(best)
     shown = text_of(card.content("svg"))
     assert all(shown.count(name) >= 3 for name in FIVE)
+
+
+def test_for_a_machine_its_winner_has_a_picture_whatever_it_is_called():
+    card = cn.card(*FIVE[:4], lux=3, reader="machine", labels=("a", "b", "c", "d"))
+    names = [one.sensor.name for one in card.of.operating_points]
+    assert card.verdict.winner in [names[i] for i in card.shown]
+    about = {one.text: one.about for one in card.verdict.told}
+    assert {about[one] for one in card.sentences} <= {"machine", "winner", "matrix"}
+    assert sum(about[one] == "winner" for one in card.sentences) == 1
 
 
 def test_objects_of_python_are_on_a_card():

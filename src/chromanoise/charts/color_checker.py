@@ -9,10 +9,12 @@ from chromanoise.charts.ellipses import Patches, hex_colors, patches_of, why_no_
 from chromanoise.charts.numbers import decimal
 from chromanoise.noise import conditions
 from chromanoise.spectra import chart_title
+from chromanoise.study import LOST_DELTA_E
 
 _KEY = (
-    "Strip: the true color. Bold: color error ΔE*ab without noise. n: ΔE*ab of the noise "
-    "(CIE 1976)."
+    "Strip: the true color. Bold: color error ΔE*ab without noise. n: noise of one pixel, ΔE*ab "
+    "(CIE 1976); lost: no color information in one pixel, as its noise is above "
+    f"{LOST_DELTA_E:g} ΔE*ab."
 )
 
 
@@ -57,11 +59,11 @@ def _swatches(name: str, i: int, seen: Patches | None) -> Swatches:
     if seen is None:
         return Swatches(colors=(), sensor=i, name=name)
     errors, noises = _errors(seen)
-    mean, spread = (_short(sum(each) / len(each)) for each in (errors, noises))
+    mean, spread = _short(sum(errors) / len(errors)), _noise(sum(noises) / len(noises))
     return Swatches(
         colors=tuple(hex_colors(seen.xyz.mean, seen.white)),
         sensor=i,
-        name=f"{name}, mean {mean}, n {spread}",
+        name=f"{name}, mean {mean}, {spread}",
         texts=tuple(
             (_short(error), _noise(noise)) for error, noise in zip(errors, noises, strict=True)
         ),
@@ -71,7 +73,7 @@ def _swatches(name: str, i: int, seen: Patches | None) -> Swatches:
 def _columns(name: str, seen: Patches | None, count: int) -> list[Column]:
     each: Sequence[Sequence[Value]] = _errors(seen) if seen else [[None] * count] * 2
     cell = partial(decimal, none="saturated")
-    heads = [f"{name} {what} [Delta E*ab]" for what in ("color error", "color noise")]
+    heads = [f"{name} {what} [Delta E*ab]" for what in ("color error", "noise of one pixel")]
     return [column(head, values, cell) for head, values in zip(heads, each, strict=True)]
 
 
@@ -83,14 +85,16 @@ def _short(value: float) -> str:
 
 
 def _noise(value: float) -> str:
-    return "n>999" if value >= 999.5 else f"n {_short(value)}"
+    return "lost" if value >= LOST_DELTA_E else f"n {_short(value)}"
 
 
 def _described(name: str, seen: Patches) -> str:
     errors, noises = _errors(seen)
     worst, noisiest = max(errors), max(noises)
+    lost = int(seen.is_lost.sum())
+    gone = f" No color information in one pixel on {lost} of {len(errors)} patches." if lost else ""
     return (
         f"{name}: mean color error {decimal(float(seen.color_error.mean()))}, largest for "
-        f"{seen.names[errors.index(worst)]} ({decimal(worst)}); most noise on "
-        f"{seen.names[noises.index(noisiest)]} ({decimal(noisiest)})."
+        f"{seen.names[errors.index(worst)]} ({decimal(worst)}); most noise of one "
+        f"pixel on {seen.names[noises.index(noisiest)]} ({decimal(noisiest)}).{gone}"
     )

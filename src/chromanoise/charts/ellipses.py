@@ -9,7 +9,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from chromanoise.base import Array, Float, check, eigvalsh
+from chromanoise.base import Array, Bool, Float, check, eigvalsh
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.description import (
     Axis,
@@ -40,7 +40,14 @@ from chromanoise.geometry import ellipse_half_axes
 from chromanoise.metrics import chart_color_error
 from chromanoise.noise import Measurement, conditions, through
 from chromanoise.spectra import chart_on, chart_title
-from chromanoise.study import Analysis, color_snr_db, noisy_color_at, of_white, stages_at
+from chromanoise.study import (
+    LOST_DELTA_E,
+    Analysis,
+    color_snr_db,
+    noisy_color_at,
+    of_white,
+    stages_at,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,6 +78,12 @@ class Patches:
 
     def __post_init__(self) -> None:
         check.freeze(self, "truth", "true_white", "white", "color_error")
+
+    @property
+    def is_lost(self) -> Bool[Array, " k"]:
+        """Whether the noise of one pixel hides the color of the patch."""
+        assert self.noise.delta_e is not None  # CIELAB has one
+        return np.asarray(self.noise.delta_e >= LOST_DELTA_E)
 
 
 def quick_cubature(color: NoisyColor, space: Space) -> SpaceMoments:
@@ -173,7 +186,7 @@ def ellipses_of(analyses: Sequence[Analysis], plane: str) -> Chart:
                 marks=(ellipses,) if one.colors else (),
                 sensor=i,
                 equal=True,
-                remark="larger than the panel" if _is_larger(one, low, high) else "",
+                remark="larger than the panel" if _is_larger(one, low, high) else one.lost,
                 absence=one.why_not,
             )
         )
@@ -213,6 +226,7 @@ class _Drawn:
     rows: tuple[tuple[Value, ...], ...]
     colors: tuple[str, ...] = ()
     why_not: str = ""
+    lost: str = ""
 
 
 def _window(sensors: Sequence[_Drawn]) -> tuple[list[float], list[float]]:
@@ -279,8 +293,11 @@ def _balanced(seen: Patches) -> Measurement:
 def _sensor(analysis: Analysis, plane: str) -> _Drawn:
     seen, name = patches_of(analysis), analysis.sensor.label
     if seen is None:
-        why_not = why_no_patches(analysis)
-        return _Drawn(name=name, rows=((name, why_not, *[None] * 9),), why_not=why_not)
+        return _not_drawn(name, why_no_patches(analysis))
+    if seen.is_lost.all():
+        return _not_drawn(
+            name, f"{name}: no color information in one pixel at this level: all patches are lost"
+        )
     truth, center, covariance = in_plane(seen, plane)
     # an ellipse that is a line or a point is drawn all the same
     half_axes = ellipse_half_axes(covariance + _NONE**2 * np.eye(2), sigmas=SIGMAS)
@@ -288,11 +305,18 @@ def _sensor(analysis: Analysis, plane: str) -> _Drawn:
         eigvalsh("covariance of a patch", covariance)[:, -1].clip(min=0.0)
     )  # of the covariance itself
     numbers = np.column_stack([truth, center, half_axes.reshape(-1, 4), reach]).tolist()
+    colors = hex_colors(seen.truth, seen.true_white)
+    kept, lost = np.flatnonzero(~seen.is_lost).tolist(), int(seen.is_lost.sum())
     return _Drawn(
         name=name,
-        rows=tuple((name, patch, *row) for patch, row in zip(seen.names, numbers, strict=True)),
-        colors=tuple(hex_colors(seen.truth, seen.true_white)),
+        rows=tuple((name, seen.names[k], *numbers[k]) for k in kept),
+        colors=tuple(colors[k] for k in kept),
+        lost=f"{lost} of {lost + len(kept)} patches are lost in the noise" if lost else "",
     )
+
+
+def _not_drawn(name: str, why_not: str) -> _Drawn:
+    return _Drawn(name=name, rows=((name, why_not, *[None] * 9),), why_not=why_not)
 
 
 def _description(sensors: Sequence[_Drawn], plane: str) -> str:

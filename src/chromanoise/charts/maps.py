@@ -93,7 +93,13 @@ def map_of(
         values = (
             maps[0].value - maps[1].value if len(maps) == 2 else np.where(best < 0, np.nan, best)
         )
-    scale = _scale(values, best, maps)
+    what, drawn_maps = _what(maps), maps
+    leaders = np.unique(best[best >= 0])
+    if len(maps) > 2 and leaders.size == 1:  # in one color a map would show nothing
+        (leader,) = leaders.tolist()
+        what, drawn_maps = f"{maps[leader].label}, lead over the next sensor", (maps[leader],)
+        values = _lead(maps, leader)
+    scale = _scale(values, best, drawn_maps)
     sweeps = (first.sweep, first.second)
     across, up = (one.ravel().tolist() for one in np.meshgrid(first.at, first.second_at))
     number = partial(decimal, digits=2, none=UNDEFINED)
@@ -121,7 +127,7 @@ def map_of(
         y=1,
         value=len(columns) - 1,
         across=len(first.at),
-        name=_what(maps) if len(maps) > 2 else f"{_what(maps)} [{first.quantity.unit}]",
+        name=what if len(drawn_maps) > 2 else f"{what} [{first.quantity.unit}]",
         equal=_equal(lines[0], first.second_at) if len(maps) == 2 and lines else (),
         **scale,
     )
@@ -132,7 +138,7 @@ def map_of(
     ]
     return Chart(
         title=title,
-        description=_description(maps, values),
+        description=_description(drawn_maps, values, what),
         sensors=tuple(one.label for one in maps),
         columns=tuple(columns),
         panels=(Panel(x=x, y=y, marks=(cells,)),),
@@ -207,13 +213,20 @@ def _equal(
     return tuple(map(tuple, lines))
 
 
-def _description(maps: Sequence[QuantityMap], values: Float[Array, "j k"]) -> str:
+def _lead(maps: Sequence[QuantityMap], leader: int) -> Float[Array, "j k"]:
+    """How far a sensor is before the next best one; NaN where another is undefined."""
+    sign = 1 if maps[leader].quantity.more_is_better else -1
+    others = [sign * one.value for i, one in enumerate(maps) if i != leader]
+    return np.asarray(sign * maps[leader].value - np.max(others, axis=0))
+
+
+def _description(maps: Sequence[QuantityMap], values: Float[Array, "j k"], what: str) -> str:
     known = values[np.isfinite(values)]
     first = maps[0]
     if not known.size:
         return f"{first.quantity.what} is undefined at all values."
     if len(maps) > 2:
         shares = [f"{one.label} at {percent((values == i).mean())}" for i, one in enumerate(maps)]
-        return f"{_what(maps)}: {', '.join(shares)} of the pairs of values."
+        return f"{what}: {', '.join(shares)} of the pairs of values."
     ends = f"{decimal(known.min())} to {decimal(known.max())} {first.quantity.unit}"
-    return f"{_what(maps)}: {ends}."
+    return f"{what}: {ends}."

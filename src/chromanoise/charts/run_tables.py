@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from chromanoise.base import Array
+from chromanoise.base import Array, Float
 from chromanoise.charts.budget_chart import cause_label
 from chromanoise.color import ParetoCurve
 from chromanoise.io import Column, Entry, Table, number_text
@@ -16,6 +16,7 @@ from chromanoise.noise import OperatingPoint, conditions
 from chromanoise.spectra import DEFAULT_OBSERVER, chart_title
 from chromanoise.study import (
     GRAY,
+    LOST_DELTA_E,
     Analyses,
     Analysis,
     ChartNoise,
@@ -181,7 +182,7 @@ def patches_table(analysis: Analysis, chart: ChartNoise | None) -> Table:
         Column(name="CIEDE2000", digits=".1f"),
         Column(name="SNR of Y", unit="dB", digits=".1f"),
         *(Column(name=f"sd {axis}", digits=".1f") for axis in ("L*", "a*", "b*")),
-        Column(name="color noise", unit=_DELTA_E, digits=".1f"),
+        Column(name="noise of one pixel", unit=_DELTA_E, digits=".1f"),
     )
     title = f"{seen} seen by {name}, matrix: {analysis.matrix.made_by}"
     if chart is None:
@@ -194,15 +195,27 @@ def patches_table(analysis: Analysis, chart: ChartNoise | None) -> Table:
     for i, patch in enumerate(chart.names):
         before = map(float, (chart.color_error[i], chart.ciede2000[i]))
         snr = number_text(float(chart.snr_y_db[i]), ".1f")
-        rows.append((patch, *before, snr, *map(float, sd[i]), float(noise[i])))
+        rows.append((patch, *before, snr, *_unless_lost(sd[i], noise[i])))
     means = (float(chart.color_error.mean()), float(chart.ciede2000.mean()), None)
-    rows.append(("mean", *means, *map(float, sd.mean(axis=0)), float(noise.mean())))
-    failing = int((~chart.first_order_holds).sum())
+    rows.append(("mean", *means, *_unless_lost(sd.mean(axis=0), noise.mean())))
+    failing, lost = int((~chart.first_order_holds).sum()), int((noise >= LOST_DELTA_E).sum())
+    gone = (
+        f"{name}: no color information in one pixel at this level on {lost} of {len(noise)} "
+        f"patches: its noise is above {LOST_DELTA_E:g} Delta E*ab, the distance of black and white."
+    )
     note = (
         f"{name}: the first order is off by more than 5 % on {failing} of {len(noise)} patches; "
         "the numbers above come from the exact Poisson-Gaussian distribution."
     )
-    return Table(title=title, columns=columns, rows=tuple(rows), notes=(note,) if failing else ())
+    notes = (*([gone] if lost else []), *([note] if failing else []))
+    return Table(title=title, columns=columns, rows=tuple(rows), notes=notes)
+
+
+def _unless_lost(sd: Float[Array, " 3"], noise: float) -> tuple[Entry, ...]:
+    """Spreads and noise of one pixel, or that they hide its color."""
+    if noise >= LOST_DELTA_E:
+        return ("lost",) * 4
+    return (*map(float, sd), float(noise))
 
 
 def gray_table(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> Table:
@@ -238,7 +251,7 @@ def gray_table(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None])
             Column(name="sensor"),
             *(Column(name=f"sd {name}", digits=".3g") for name in names),
             Column(name="sd C*", digits=".2f"),
-            Column(name="color noise", unit=_DELTA_E, digits=".2f"),
+            Column(name="noise of one pixel", unit=_DELTA_E, digits=".2f"),
             Column(name="bias"),
             Column(name="first order"),
             Column(name="Gaussian approx."),

@@ -760,7 +760,7 @@ def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
     """A bar of the budget with its label and number, and the same bar of the winner."""
     if cause == _PHOTONS:
         levels = f"{decimal(-loss_db)} dB, against {decimal(-winner_db)} dB for {winner}"
-        return f"all photons give {levels}: fewer reach the pixels"
+        return f"all photons: {levels}, as fewer reach the pixels"
     label = _label(cause) if cause != INFRARED else "infrared (its noise, and its signal in Y)"
     if min(loss_db, winner_db) < -LEAST_TIE_DB:  # a gain is not called a cost
         return f"{label}: {signed(-loss_db)} dB, against {signed(-winner_db)} dB for {winner}"

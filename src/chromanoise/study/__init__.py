@@ -88,6 +88,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.color_noise import (
         GRAY,
+        LOST_DELTA_E,
         VISUAL_NOISE,
         ChartNoise as ChartNoise,
         GrayNoise as GrayNoise,

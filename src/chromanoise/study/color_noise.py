@@ -87,6 +87,8 @@ from chromanoise.study.color_matrices import (
 
 GRAY = 0.18
 """Reflectance of the gray card."""
+LOST_DELTA_E = 100.0
+"""The distance of black and white: noise that hides the color of a pixel. [Delta E*ab]"""
 PLANE = 128
 """Side of the Fourier plane on which visual noise is averaged."""
 _AXES = ("exact.measurement.names",)

@@ -337,7 +337,7 @@ def resolve_sensor(
     if isinstance(word, str) and not is_file_word(word, "sensor"):
         return with_pixel(_catalog_sensor(word, answers, of_pixel(given)), given, varied=varied)
     sensor = read_sensor(file_there(word, "sensor"), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
-    note = assumed_pixel(sensor.name, sensor.pixel, given)
+    note = assumed_pixel(sensor.name, sensor.pixel, {*given, *varied})
     return with_pixel(replace(sensor, notes=(*sensor.notes, *note)), given, varied=varied)
 
 

@@ -44,9 +44,14 @@ class ChangedValue:
 
     @property
     def relative(self) -> float | None:
-        """The difference over the larger of both, without sign; ``None`` as ``difference``. [1]"""
+        """The difference over the larger of both, without sign; ``None`` as ``difference``. [1]
+
+        That of the ratios of two numbers in dB.
+        """
         if not _are_numbers(self.first, self.second):
             return None
+        if self.key.endswith("_db"):
+            return 1 - 10 ** (-abs(self.second - self.first) / 20)
         return abs(self.second - self.first) / max(abs(self.first), abs(self.second))
 
 
