@@ -241,7 +241,8 @@ def test_charts_have_the_numbers_of_a_run(clip):
 def test_the_noise_of_patches_is_clipped_where_the_study_clips():
     """Clipping at black removes noise from dark patches: less of it at equal color errors."""
     clipped, whole = (rows_in("chart", shown(night(clip=clip))) for clip in (True, False))
-    error, noise = (f"onyx-rgbw color {what} [Delta E*ab]" for what in ("error", "noise"))
+    whats = ("color error", "noise of one pixel")
+    error, noise = (f"onyx-rgbw {what} [Delta E*ab]" for what in whats)
     assert [row[error] for row in clipped] == [row[error] for row in whole]
     assert sum(row[noise] for row in clipped) < 0.9 * sum(row[noise] for row in whole)
 

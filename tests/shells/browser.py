@@ -222,6 +222,7 @@ def answer_to(page, act, *, changes="study"):
         "(n) => Number(document.documentElement.dataset.painted) >= n",
         question["number"],
     )
+    until(page, "() => !document.querySelector('#verdict[aria-busy]')")  # it is asked for later
     page.asked_last = question
     return question, reply.json()["parts"]
 

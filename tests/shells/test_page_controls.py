@@ -93,7 +93,7 @@ def test_a_number_can_be_typed_stepped_and_given_back(page):
     assert question["study"]["exposure"]["time_ms"] == 3.5
     question, parts = answer_to(page, lambda: field.press("ArrowUp"))
     assert 3.5 < question["study"]["exposure"]["time_ms"] < 3.7
-    assert parts["head"]["sensors"][0]["time_ms"] == question["study"]["exposure"]["time_ms"]
+    assert parts["numbers"]["sensors"][0]["time_ms"] == question["study"]["exposure"]["time_ms"]
     question, _ = answer_to(page, page.get_by_role("switch", name="Auto exposure").click)
     assert "time_ms" not in question["study"]["exposure"]
 
@@ -189,7 +189,7 @@ def test_sensors_are_added_moved_and_removed(page, way):
         return page.get_by_role("button", name=role)
 
     question, parts = answer_to(page, lambda: press(named("Add a sensor")))
-    assert len(question["study"]["sensors"]) == len(parts["head"]["sensors"]) == 4
+    assert len(question["study"]["sensors"]) == len(parts["numbers"]["sensors"]) == 4
     assert page.locator("#electrons tbody tr").count() == 4
     question, _ = answer_to(page, lambda: press(named("Move sensor 2 up")))
     assert question["study"]["sensors"][0]["name"] == "onyx-rgb-ircut"

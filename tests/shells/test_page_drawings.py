@@ -90,6 +90,7 @@ def test_of_sixty_presses_the_last_is_shown_in_the_end_and_no_older_one_after_it
     while last()["study"][key][name] != value:
         page.wait_for_event("request")
     until(page, "(n) => Number(document.documentElement.dataset.painted) >= n", last()["number"])
+    until(page, "() => !document.querySelector('#verdict[aria-busy]')")
     result = page.evaluate("window.told")
     assert result == sorted(result)
     fields = page.locator("#verdict").inner_text(), page.locator("#electrons").inner_text()

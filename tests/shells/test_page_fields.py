@@ -169,7 +169,7 @@ def test_a_value_of_the_pixel_goes_back_to_the_sensors_own(window):
     assert own.inner_text() == "as built: 10"
     question, parts = answer_to(page, own.click)
     assert question["study"]["sensors"] == [{"name": "onyx-rgbw"}]
-    assert parts["head"]["sensors"][0]["pitch_um"] == 10.0
+    assert parts["numbers"]["sensors"][0]["pitch_um"] == 10.0
 
 
 def test_the_wheel_moves_the_slider_that_has_the_focus_and_no_other(window):
@@ -203,7 +203,7 @@ def test_a_file_is_chosen_or_typed_beside_its_control_and_taken_away(window, tmp
     assert "not as pixel" in wrong.inner_text()
     question, parts = answer_to(page, lambda: chosen(pixel))
     assert re.fullmatch("upload:.*[.]toml", question["study"]["sensors"][0]["pixel"]["file"])
-    assert parts["head"]["sensors"][0]["read_noise_e"] == 2.4
+    assert parts["numbers"]["sensors"][0]["read_noise_e"] == 2.4
     assert wrong.count() == 0
     assert page.get_by_label("Read noise in e⁻").first.get_attribute("placeholder") == "2.4"
     page.get_by_role("button", name="Type a table").click()

@@ -56,7 +56,7 @@ def place_of(panel, i):
 
 
 def names_in(parts):
-    return [one["name"] for one in parts["head"]["sensors"]]
+    return [one["name"] for one in parts["numbers"]["sensors"]]
 
 
 def test_a_click_loads_a_sensor_with_its_scene_and_the_page_computes_the_same_snr(cloud, front):

@@ -23,7 +23,7 @@ CURVES = "\n".join(
     f"{nm},{0.1 + 0.3 * (nm > 590)},{0.1 + 0.3 * (500 < nm < 590)},{0.1 + 0.3 * (nm < 500)}"
     for nm in range(400, 1051, 10)
 )
-QUICK = {"head", "sensitivities", "stages", "budget", "ellipses"}
+QUICK = {"numbers", "sensitivities", "stages", "budget", "ellipses"}
 
 
 def brought(page, name, content):
@@ -287,11 +287,11 @@ def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
     for step in (1, 2):
         track.focus()
         question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
-        assert "head" in question["want"]
+        assert "numbers" in question["want"]
         assert set(question["want"]) <= QUICK
         comes(page, waiting)
         assert len(waiting) == 1, step  # one under way, the latest waits
-        result = f"{parts['head']['sensors'][0]['mean_e']['G']:.4g}"
+        result = f"{parts['numbers']['sensors'][0]['mean_e']['G']:.4g}"
         assert result in page.locator("#electrons").inner_text()
         assert levels.get_attribute("aria-busy") == "true"
         assert levels.locator(".body").inner_html() == before
@@ -313,7 +313,7 @@ def test_with_a_kernel_all_that_is_seen_comes_in_one_answer(window):
     track = page.get_by_label("f-number", exact=True)
     track.focus()
     question, _ = answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
-    assert {"head", "levels", "pareto", "chart", "vectors"} <= set(question["want"])
+    assert {"numbers", "levels", "pareto", "chart", "vectors"} <= set(question["want"])
 
 
 def test_a_trade_of_saturated_sensors_is_sentences_and_no_empty_frame(window):
@@ -364,7 +364,7 @@ def test_an_answer_that_comes_after_a_newer_one_is_not_shown(window):
     page = window({"study": {"sensors": PAIR}, "look": {"auto_exposure": True}})
     numbers = page.locator("#electrons")
     before = numbers.inner_text()
-    waiting = held(page, lambda request: request.url.endswith("/api/answer"))
+    waiting = held(page, lambda one: one.url.endswith("/api/answer") and "numbers" in one.post_data)
     page.get_by_label("Share of full well", exact=True).focus()
     for count in (1, 2):  # the second question leaves before the first is answered
         page.keyboard.press("Shift+ArrowDown")
@@ -373,7 +373,7 @@ def test_an_answer_that_comes_after_a_newer_one_is_not_shown(window):
     let_go(waiting[1:])
     until(page, "(b) => document.querySelector('#electrons').innerText !== b", before)
     last = numbers.inner_text()
-    data = f"{newer[1].json()['parts']['head']['sensors'][0]['mean_e']['G']:.4g}"
+    data = f"{newer[1].json()['parts']['numbers']['sensors'][0]['mean_e']['G']:.4g}"
     assert data in last
     older[0].fulfill(response=older[1])
     page.wait_for_timeout(300)

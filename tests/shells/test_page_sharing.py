@@ -62,7 +62,7 @@ def test_a_dropped_lamp_becomes_the_light(window):
     brought = bring(page, "lamp.csv", LAMP)
     before = shown(page)
     _, parts = answer_to(page, brought.get_by_role("button", name="Use as the light").click)
-    assert parts["head"]["light"]["name"].startswith("lamp")
+    assert parts["numbers"]["light"]["name"].startswith("lamp")
     assert shown(page) != before
 
 

@@ -67,6 +67,7 @@ const root = document.documentElement;
  * @property {ReturnType<typeof snapshots>} ghosts
  * @property {ReturnType<typeof picturePanel>} picture
  * @property {Asker} asker
+ * @property {Asker} judge
  * @property {Asker} later
  */
 
@@ -119,21 +120,22 @@ function question() {
   return want.length ? { study, want, look: askedLook(look), version: page.version } : null;
 }
 
-/**
- * The second, of what the first has answered: the verdict, then what is seen and slow, at rest what
- * nobody sees.
- */
+/** The verdict, of what the first has answered: after a pause, or often enough. */
+function verdictQuestion() {
+  if (!page.answered || page.failedVersion >= page.answered.version) return null;
+  const { study, look, version } = page.answered;
+  if (page.verdictVersion >= version) return null;
+  const now = performance.now();
+  if (now - page.moved >= PAUSE_MS || now - page.judged > VERDICT_MS) return { study, want: ["head"], look, version };
+  clearTimeout(page.pause);
+  page.pause = setTimeout(() => page.judge.ask(), PAUSE_MS);
+  return null;
+}
+
+/** The second, of what the first has answered: what is seen and slow, at rest what nobody sees. */
 function laterQuestion() {
   if (!page.answered || page.failedVersion >= page.answered.version) return null;
   const { study, look, version } = page.answered;
-  if (page.verdictVersion < version) {
-    const now = performance.now();
-    const due = now - page.moved >= PAUSE_MS || now - page.judged > VERDICT_MS;
-    if (due) return { study, want: ["head"], look, version };
-    clearTimeout(page.pause);
-    page.pause = setTimeout(() => page.later.ask(), PAUSE_MS);
-    return null;
-  }
   const parts = stale(version);
   const slow = parts.filter((part) => panelOf(part).visible && isSlow(part, study));
   // the map comes last and alone, for it takes longest
@@ -180,6 +182,7 @@ function answered(reply, asked) {
   markStale();
   performance.mark("drawn", { detail: reply.number });
   requestAnimationFrame(() => afterPaint.postMessage(reply.number));
+  page.judge.ask();
   page.later.ask();
 }
 
@@ -423,6 +426,7 @@ async function start() {
     found: () => notice("lost", null),
   };
   page.asker = new Asker({ ...told, question, rested }, IN_FLIGHT);
+  page.judge = new Asker({ ...told, question: verdictQuestion, rested: () => page.judge.ask() });
   page.later = new Asker({ ...told, question: laterQuestion, rested: () => page.later.ask() });
   page.panels = panels(choices.sections, {
     tools: page.tools.nodes,
