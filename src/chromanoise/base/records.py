@@ -15,6 +15,7 @@ import json
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, is_dataclass, replace
+from functools import cache
 from types import NoneType, UnionType
 from typing import (
     Annotated,
@@ -344,7 +345,7 @@ class Record(metaclass=_OfRecords):
             "exclude_none": exclude_none,
         }
         found = {}
-        for name, one in type(self).model_fields.items():
+        for name, one, key, written in _writers(type(self), by_alias):
             value = getattr(self, name)
             left_out = (
                 name in exclude
@@ -353,8 +354,6 @@ class Record(metaclass=_OfRecords):
                 or (exclude_defaults and not one.required and value == one.default)
             )
             if not left_out:
-                key = one.alias if by_alias and one.alias else name
-                written = next((m for m in one.metadata if isinstance(m, Written)), None)
                 found[key] = written.plain(value) if written else _plain(value, options)
         return found | {name: _plain(value, options) for name, value in self.further.items()}
 
@@ -663,7 +662,25 @@ def _record_of(kind: type[Record]) -> _Check:
     return checked
 
 
+@cache  # a page writes its study several times for each step of a slider
+def _writers(
+    kind: type[Record], by_alias: bool
+) -> tuple[tuple[str, DeclaredField, str, Written | None], ...]:
+    """Of each field of a record: its name, itself, its key, and how it is written."""
+    return tuple(
+        (
+            name,
+            one,
+            one.alias if by_alias and one.alias else name,
+            next((m for m in one.metadata if isinstance(m, Written)), None),
+        )
+        for name, one in kind.model_fields.items()
+    )
+
+
 def _plain(value: Any, options: Mapping[str, Any]) -> Any:
+    if value is None or isinstance(value, str | int | float):
+        return value
     if isinstance(value, Record):
         return value.model_dump(**options)
     if is_dataclass(value) and not isinstance(value, type):

@@ -369,7 +369,7 @@ def _raw_db(analysis: Analysis) -> float:
     return math.inf if best is None else best
 
 
-_MOST_REASONS = 4  # sensors behind the first whose reason is told
+_MOST_NAMED = 4  # sensors behind the first of which numbers and reason are told
 _UNSEEN_DELTA_E = 0.05  # a difference of color errors that one decimal does not show [Delta E*ab]
 _WORTH_DB = 0.3  # least loss of a cause that is reported
 _GLOSSES = {  # of bars of the budget whose label is a word of its own
@@ -557,6 +557,8 @@ def _first(found: EqualColor, tied: Sequence[Standing], behind: Sequence[Standin
             f"{_number(one.visual_noise)})"
             for one in behind
         ]
+        last = f"up to {behind[-1].behind_db:.1f} dB less than"
+        less = _shortened(less, last)
         return f"{best.sensor} has the least visual noise {at}: {listed(less)}."
     names = listed([one.sensor for one in (best, *tied)])
     apart = f"they differ by less than {LEAST_TIE_DB:g} dB"
@@ -569,10 +571,16 @@ def _first(found: EqualColor, tied: Sequence[Standing], behind: Sequence[Standin
     return f"{names} tie in visual noise {at}: {apart}{'; ' if more else ''}{more}."
 
 
+def _shortened(every: list[str], last: str) -> list[str]:
+    """The first few of a list, and of the others how many they are."""
+    more = len(every) - _MOST_NAMED
+    return every if more < 2 else [*every[:_MOST_NAMED], f"{last} {more} others"]
+
+
 def _whys(best: Standing, behind: Sequence[Standing]) -> list[str]:
     """Noise of the gray in the raw channels, and what each matrix loses: their sum is told."""
     parts = []
-    for one in behind[:_MOST_REASONS]:
+    for one in behind[:_MOST_NAMED]:
         raw_db, lost_db = one.gray_snr_db - best.gray_snr_db, one.lost_in_matrix_db
         raw = "the same raw SNR" if abs(raw_db) < LEAST_TIE_DB else f"{_more(raw_db)} raw SNR"
         lost = "as much" if abs(lost_db) < LEAST_TIE_DB else _more(lost_db)
@@ -598,7 +606,8 @@ def _totals(found: EqualColor) -> str:
     behind = [
         f"{_number(one.least_total_error)} for {one.sensor}" for one in others if one not in close
     ]
-    against = f", against {listed(behind)}" if behind else ""
+    last = f"up to {_number(others[-1].least_total_error)} for" if others else ""
+    against = f", against {listed(_shortened(behind, last))}" if behind else ""
     return (
         "With the matrices of least total color error as viewed (color and noise together), "
         f"{leads}: {own} ΔE*ab{against}."

@@ -207,10 +207,9 @@ class Studies:
         """Refuse settings without effect; files are looked into once for each state of them."""
         try:
             stamps = stamps_of(study, "sensors.")
-            words = study.model_dump_json(
-                include={"sensors", "light", "sweeps"}, exclude={"level_lux"}
-            )
-            idle = self._idle.of((words, stamps), lambda: idle_settings(study))
+            words = study.model_dump_json(include={"sensors", "sweeps"})
+            light = study.light.model_dump_json(exclude={"level_lux"})
+            idle = self._idle.of((words, light, stamps), lambda: idle_settings(study))
         except InputError:
             return  # what cannot be read is refused where it is made
         if idle:
