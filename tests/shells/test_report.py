@@ -337,8 +337,9 @@ def test_a_saturated_sensor_has_a_report_that_says_so():
     data = block(page)
     assert "saturated" in data["parts"]["head"]["verdict"][0]
     assert data["parts"]["ellipses"]["panels"] == []
-    columns = data["slides"][0]["answers"]["ellipses"][0]["columns"]
-    assert len(columns[0]["values"]) == 24  # of a position of the slider that has colors
+    answers = data["slides"][0]["answers"]["ellipses"]
+    drawn = [len(one["columns"][0]["values"]) for one in answers if "columns" in one]
+    assert max(drawn) == 24  # at a position of the slider that has colors and little noise
 
 
 @given(st.floats(1e-9, 1e9), st.integers(1, 4))
