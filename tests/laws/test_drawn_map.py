@@ -91,12 +91,23 @@ def test_on_the_line_both_sensors_have_the_same_snr():
 
 
 def test_of_many_sensors_the_key_names_those_that_win_somewhere():
+    infrared, dim = {"vary": "infrared", "first": 0.0}, {"vary": "lux", "first": 0.01, "last": 0.1}
+    chart, cells = record(3, **infrared, last=2.0, second=dim | {"points": 3})
+    values = np.array([one.values for one in chart.columns[2:5]], dtype=float)
+    winners = {SENSORS[i] for i in np.argmax(values, axis=0)}
+    assert len(winners) > 1
+    assert set(cells.names) - {""} == winners
+    assert {SENSORS[int(i)] for i in drawn_values(chart, cells)} == winners
+
+
+def test_of_many_sensors_of_which_one_wins_everywhere_its_lead_is_drawn():
     (chart, cells), values = record(3), computed(3)
     known = np.isfinite(values).all(axis=0)
-    winners = {SENSORS[i] for i in np.argmax(values[:, known], axis=0)}
-    assert winners <= set(cells.names)
-    best = drawn_values(chart, cells)
-    assert {SENSORS[int(i)] for i in best[np.isfinite(best)]} == set(cells.names) - {""}
+    (winner,) = {SENSORS[i] for i in np.argmax(values[:, known], axis=0)}
+    *_, second, first = np.sort(values[:, known], axis=0)
+    drawn = drawn_values(chart, cells)
+    np.testing.assert_allclose(drawn[np.isfinite(drawn)], first - second)
+    assert cells.name.startswith(f"{winner}, lead over the next sensor [")
 
 
 def test_a_fine_sweep_is_drawn_on_fewer_values_with_the_same_ends_and_says_so():
