@@ -26,7 +26,7 @@ from chromanoise.spectra import (
     flat_field,
 )
 from chromanoise.study import (
-    HARDLY_SEEN,
+    HARDLY_SEEN_DELTA_E,
     Viewing,
     electrons_at,
     equal_color,
@@ -540,7 +540,9 @@ def test_the_verdict_names_who_has_the_least_error_and_noise_together_or_all_who
     verdict = cn.analyze(*names, lux=10.0, time_ms=11.94).verdict
     (told,) = [one.text for one in verdict.told if one.about == "total"]
     totals = {one.name: one.least_total_error for one in verdict.at_equal_color.standings}
-    near = {name for name, one in totals.items() if one < min(totals.values()) + HARDLY_SEEN}
+    near = {
+        name for name, one in totals.items() if one < min(totals.values()) + HARDLY_SEEN_DELTA_E
+    }
     before = told.partition("ΔE*ab")[0].replace(",", " ").split()
     assert {name for name in names if name in before} == near
 

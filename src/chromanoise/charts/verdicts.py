@@ -24,7 +24,7 @@ from chromanoise.study import (
     BRIGHT,
     DARK,
     DEFAULT_PRIOR,
-    HARDLY_SEEN,
+    HARDLY_SEEN_DELTA_E,
     LEAST_TIE_DB,
     RAW,
     RAW_WITHOUT,
@@ -369,7 +369,7 @@ def _raw_db(analysis: Analysis) -> float:
     return math.inf if best is None else best
 
 
-_MOST_NAMED = 4  # sensors behind the first of which numbers and reason are told
+_MOST_NAMED = 4  # sensors that a sentence names; of the others it says how many they are
 _UNSEEN_DELTA_E = 0.05  # a difference of color errors that one decimal does not show [Delta E*ab]
 _WORTH_DB = 0.3  # least loss of a cause that is reported
 _GLOSSES = {  # of bars of the budget whose label is a word of its own
@@ -596,7 +596,7 @@ def _more(db: float) -> str:
 def _totals(found: EqualColor) -> str:
     """The order by color error and noise together."""
     best, *others = sorted(found.standings, key=lambda one: one.least_total_error)
-    near = best.least_total_error + HARDLY_SEEN
+    near = best.least_total_error + HARDLY_SEEN_DELTA_E
     close = [best, *(one for one in others if one.least_total_error < near)]
     leads = f"{listed([one.sensor for one in close])} are about equal"
     if len(close) == 1:

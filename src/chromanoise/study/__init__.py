@@ -324,7 +324,7 @@ if TYPE_CHECKING:
         swept_values as swept_values,
     )
     from chromanoise.study.trade_offs import (
-        HARDLY_SEEN,
+        HARDLY_SEEN_DELTA_E,
         LEAST_TIE_DB,
         EqualColor as EqualColor,
         LeftOut as LeftOut,

@@ -56,8 +56,8 @@ from chromanoise.study.color_noise import (
 
 LEAST_TIE_DB = 0.05
 """A margin that one decimal does not show is a tie. [dB]"""
-HARDLY_SEEN = 0.5
-"""A difference of color errors. [Delta E*ab]"""
+HARDLY_SEEN_DELTA_E = 0.5
+"""Color errors that differ by less count as equal. [Delta E*ab]"""
 _SECOND_PRIOR = "smooth-50-nir"  # its margin must agree with that of the prior of the study
 _LEVELS_LUX = tuple(float(one) for one in np.geomspace(0.01, 1000.0, 6))
 _ANY_LUX = 1.0  # of what is scaled to each of the levels
@@ -866,7 +866,7 @@ def _again_db(
     able = [  # one that has no trade-off with it keeps its own
         two if isinstance(two, TradeOff) else one for one, two in zip(trades, again, strict=True)
     ]
-    more = _noises(trades, min(least + HARDLY_SEEN, most))
+    more = _noises(trades, min(least + HARDLY_SEEN_DELTA_E, most))
     noise = np.stack([_noises_at_least_error(able), more, *_noises_beyond(trades, least)])
     return decibel(noise / noise[:, [first]])
 
