@@ -104,10 +104,15 @@ def bursts(page: Any) -> list[Line]:
         what = f"distinct results of {BURST} presses, {between_ms} ms between them"
         lines.append(Line(what, 40, distinct, "", at_least=True))
         lines.append(Line("of which the last is that of its end", 1, ends, "", at_least=True))
+    page.keyboard.press("Home")
+    page.wait_for_timeout(2000)
+    distinct, _ = distinct_in_burst(page, BETWEEN_MS[-1], by_itself=True)
+    what = f"distinct results of {BURST} steps by a timer of the page, {BETWEEN_MS[-1]} ms"
+    lines.append(Line(what, 40, distinct, "", at_least=True))
     return lines
 
 
-def distinct_in_burst(page: Any, between_ms: float) -> tuple[int, bool]:
+def distinct_in_burst(page: Any, between_ms: float, *, by_itself: bool = False) -> tuple[int, bool]:
     """How many different results a burst paints, and whether the last is that of its end."""
     page.evaluate(
         """() => {
@@ -119,11 +124,14 @@ def distinct_in_burst(page: Any, between_ms: float) -> tuple[int, bool]:
             window.watching.observe(document.documentElement, { attributes: true });
         }"""
     )
-    due = time.perf_counter()
-    for _ in range(BURST):
-        page.keyboard.press("ArrowUp")
-        due += between_ms / 1e3
-        time.sleep(max(0.0, due - time.perf_counter()))
+    if by_itself:
+        _steps_by_itself(page, between_ms)
+    else:
+        due = time.perf_counter()
+        for _ in range(BURST):
+            page.keyboard.press("ArrowUp")
+            due += between_ms / 1e3
+            time.sleep(max(0.0, due - time.perf_counter()))
     page.wait_for_timeout(1500)
     ends = page.evaluate(
         """() => {
@@ -133,6 +141,26 @@ def distinct_in_burst(page: Any, between_ms: float) -> tuple[int, bool]:
         }"""
     )
     return page.evaluate("window.seen.size"), ends
+
+
+def _steps_by_itself(page: Any, between_ms: float) -> None:
+    """Steps of the slider that a timer of the page makes: no driver takes processor time."""
+    page.evaluate(
+        """([steps, between]) => new Promise((done) => {
+            const track = document.querySelector("#controls .track");
+            const began = performance.now();
+            let made = 0;
+            const step = () => {
+                if (made === steps) return done();
+                made += 1;
+                track.value = String(Number(track.value) + 1);
+                track.dispatchEvent(new Event("input", { bubbles: true }));
+                setTimeout(step, Math.max(0, began + made * between - performance.now()));
+            };
+            step();
+        })""",
+        [BURST, between_ms],
+    )
 
 
 def first_sight(browser: Any, address: str) -> tuple[float, float, float]:
@@ -214,7 +242,8 @@ Made by `make bench` on {datetime.datetime.now(datetime.UTC):%Y-%m-%d}: {_proces
 * Key press to painted: from the browser's time stamp of the key to the frame with the new numbers
   and drawings. Each press waits for the reply to the last one.
 * In a burst, keys are pressed without waiting for replies, and only the latest state counts: every
-  33 ms (a held key), every 20 ms, and every 16 ms (about once per frame of the screen).
+  33 ms (a held key), every 20 ms, and every 16 ms (about once per frame of the screen). The program
+  that presses them shares the cores with browser and server; a timer inside the page does not.
 * The first paint and the bytes are medians of {STARTS} fresh windows with an empty cache; the
   server starts with warm files.
 """

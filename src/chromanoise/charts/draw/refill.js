@@ -26,6 +26,7 @@ export function refill(element, ...fresh) {
  * @param {HTMLElement | SVGElement} fresh
  */
 function become(old, fresh) {
+  if (old.isEqualNode(fresh)) return;
   for (const { name, value } of fresh.attributes) {
     if (OWN.has(name) && old.hasAttribute(name)) continue;
     if (old.getAttribute(name) === value) continue;

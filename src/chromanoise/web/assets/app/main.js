@@ -24,7 +24,7 @@ import { learn } from "app/uploads.js";
 /** @import { Answer, Failed, Fault, Head, Look, Part, State, Study } from "answers" */
 /** @import { Panel } from "app/panels.js" */
 /** @import { Question } from "app/ask.js" */
-/** @import { What } from "app/state.js" */
+/** @import { How, What } from "app/state.js" */
 
 /** How long nothing moves before the parts that nobody sees are asked for. */
 const IDLE_MS = 300;
@@ -37,8 +37,8 @@ const PAPER_PX = 976;
 
 /** A verdict takes longer than all numbers: it is asked for after a pause so long, in ms ... */
 const PAUSE_MS = 60;
-/** ... and so often while something moves. */
-const VERDICT_MS = 500;
+/** ... and so often while something moves: a sentence that changes faster cannot be read. */
+const VERDICT_MS = 1000;
 
 /** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
 const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
@@ -50,7 +50,7 @@ const root = document.documentElement;
  * @property {number} version of the study
  * @property {number} headVersion of the numbers that are shown
  * @property {number} verdictVersion of the verdict that is shown
- * @property {number} judged when that was shown [ms]
+ * @property {number} judged when that was shown, or a motion began after it [ms]
  * @property {number} moved when the study last changed [ms]
  * @property {number | undefined} pause
  * @property {boolean} calm whether nothing moves
@@ -58,6 +58,7 @@ const root = document.documentElement;
  * @property {number} failedVersion
  * @property {number | null} level
  * @property {number | undefined} idle
+ * @property {number | undefined} frame in which the controls will be shown
  * @property {Head | null} head
  * @property {boolean} printing
  * @property {(state: State, head: Head | null) => void} showControls
@@ -85,6 +86,7 @@ const page = /** @type {Page} */ (
     failedVersion: -1,
     level: null,
     idle: undefined,
+    frame: undefined,
     head: null,
     printing: false,
     showControls: () => {},
@@ -175,10 +177,7 @@ function answered(reply, asked) {
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
   }
   for (const part of want) show(part, reply.parts[part] ?? null, version);
-  if (learn(reply.files)) {
-    page.showControls(current(), page.head);
-    page.picture(current());
-  }
+  if (learn(reply.files)) showInFrame();
   markStale();
   performance.mark("drawn", { detail: reply.number });
   requestAnimationFrame(() => afterPaint.postMessage(reply.number));
@@ -223,7 +222,24 @@ function showNumbers(numbers, version) {
   page.head = { ...numbers, verdict: page.head?.verdict ?? [] };
   page.tools.channels(page.head, current().look);
   headAgain();
-  return page.showControls(current(), page.head);
+  return showInFrame();
+}
+
+/** Shows the controls once for all that happens before the next frame. */
+function showInFrame() {
+  page.frame ??= requestAnimationFrame(() => showNow(current()));
+}
+
+/** @param {State} state */
+function showNow(state) {
+  if (page.frame !== undefined) cancelAnimationFrame(page.frame);
+  page.frame = undefined;
+  showTheme(state.look);
+  page.tools.show(state.look);
+  page.showMap?.(state);
+  page.showControls(state, page.head);
+  page.picture(state);
+  lookedAt(state.look);
 }
 
 /**
@@ -302,12 +318,15 @@ let askedBefore = "";
 /**
  * @param {State} state
  * @param {What} what
+ * @param {How} how
  */
-function changed(state, what) {
+function changed(state, what, how) {
   const asked = JSON.stringify(askedLook(state.look));
   if (what !== "look" || asked !== askedBefore) {
     page.version += 1;
-    page.moved = performance.now();
+    const now = performance.now();
+    if (now - page.moved > PAUSE_MS) page.judged = now;
+    page.moved = now;
     page.calm = false;
     clearTimeout(page.idle);
     // first of all, so that the server computes while the controls are drawn
@@ -315,12 +334,8 @@ function changed(state, what) {
     if (asked !== askedBefore && askedBefore) page.ghosts.look();
   }
   askedBefore = asked;
-  showTheme(state.look);
-  page.tools.show(state.look);
-  page.showMap?.(state);
-  page.showControls(state, page.head);
-  lookedAt(state.look);
-  if (what !== "look") page.picture(state);
+  if (how === "slide") showInFrame();
+  else showNow(state);
 }
 
 /**

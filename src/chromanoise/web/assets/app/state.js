@@ -32,16 +32,16 @@ let writing;
 let lastSlide = -Infinity;
 /** @type {(state: State) => unknown} */
 let keep = () => {};
-/** @type {Set<(state: State, what: What) => void>} */
+/** @type {Set<(state: State, what: What, how: How) => void>} */
 const listeners = new Set();
 
 /** The state now; read it, never write into it. */
 export const current = () => state;
 
 /**
- * `listener(state, what)` is called after every change; `what` is "study", "look" or "all".
+ * `listener(state, what, how)` is called after every change; `what` is "study", "look" or "all".
  *
- * @param {(state: State, what: What) => void} listener
+ * @param {(state: State, what: What, how: How) => void} listener
  */
 export function subscribe(listener) {
   listeners.add(listener);
@@ -118,7 +118,7 @@ export function readAddress() {
     complaint = error instanceof Error ? error.message : String(error);
   }
   state = { study: structuredClone(read.study), look: knownLook(read.look) };
-  tell("all");
+  tell("all", "step");
   return complaint;
 }
 
@@ -148,7 +148,7 @@ function enter(next, how, what) {
   const left = state;
   state = next;
   // the question leaves before the history is written, which takes its time
-  tell(what);
+  tell(what, how);
   if (starts) {
     write("replaceState", left);
     write("pushState", state);
@@ -165,9 +165,12 @@ function write(method, written) {
   history[method](null, "", `#${encoded(written)}`);
 }
 
-/** @param {What} what */
-function tell(what) {
-  for (const listener of listeners) listener(state, what);
+/**
+ * @param {What} what
+ * @param {How} how
+ */
+function tell(what, how) {
+  for (const listener of listeners) listener(state, what, how);
 }
 
 /**
