@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chromanoise.apps.design.front import Evaluated, Linearized, Problem
+from chromanoise.apps.design.pareto_front import Evaluated, Linearized, Problem
 
 STEP = 1e-30
 

@@ -1,6 +1,6 @@
 """A front of sensors for tests: one sensor of the catalog behind model IR-cuts."""
 
-from chromanoise.apps.design.front import (
+from chromanoise.apps.design.pareto_front import (
     FrontCurves,
     FrontFile,
     FrontMember,

@@ -17,9 +17,9 @@ import chromanoise as cn
 from chromanoise.apps.design import Design, DesignStudy, read_design
 from chromanoise.apps.design.algorithms import _Descent, _far_apart, latin_hypercube
 from chromanoise.apps.design.design_result import convergence_sentences
-from chromanoise.apps.design.front import misses_of
 from chromanoise.apps.design.objectives import OBJECTIVES
 from chromanoise.apps.design.optimizing import task_of
+from chromanoise.apps.design.pareto_front import misses_of
 from chromanoise.noise import expected_electrons, monte_carlo, noise_sources
 from chromanoise.spectra import flat_field
 from chromanoise.spectra.builtin_scenes import GAP_PX, PATCH_PX

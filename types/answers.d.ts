@@ -190,6 +190,8 @@ export interface Section {
   heading: string;
   shows: string;
   explanations: string[];
+  /** Whether it needs two columns. */
+  is_broad: boolean;
 }
 
 export interface Choices {

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chromanoise.apps.design.evaluation import DesignScene, Objectives
-from chromanoise.apps.design.front import Evaluated, Problem
 from chromanoise.apps.design.parameters import Candidates
+from chromanoise.apps.design.pareto_front import Evaluated, Problem
 from chromanoise.apps.design.search import SearchOptions, searched_front
 from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe

@@ -43,7 +43,8 @@ def text_cube(path, shape):
 '''
 EDITS = {
     "io/curve_files.py": (
-        "from chromanoise.io.envi import", "from chromanoise.io.toy import is_toy, read_toy\n",
+        "from chromanoise.io.envi_layout import",
+        "from chromanoise.io.toy import is_toy, read_toy\n",
         "    (is_cgats, read_cgats),\n", "    (is_toy, read_toy),\n",
     ),
     "io/cubes/cube_files.py": (
@@ -62,7 +63,7 @@ import chromanoise as cn
 from chromanoise.cli.entry import run
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.spectra import read_curves
-from chromanoise.study.resolve import resolve_sensor
+from chromanoise.study.resolve_names import resolve_sensor
 
 def printed(*words):
     out = io.StringIO()

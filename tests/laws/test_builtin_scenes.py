@@ -17,7 +17,7 @@ from chromanoise.spectra import (
     light,
 )
 from chromanoise.spectra.builtin_scenes import foliage_reflectances, occluding_discs, paint_behind
-from chromanoise.study.resolve import resolve_illuminant, resolve_sensor
+from chromanoise.study.resolve_names import resolve_illuminant, resolve_sensor
 
 WAVELENGTH = DEFAULT_GRID.wavelength_nm
 SYNTHETIC = BUILTIN_CUBES[1:]

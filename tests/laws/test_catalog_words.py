@@ -6,7 +6,7 @@ from chromanoise.sensor import filter_named
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import catalog_entries, catalog_entry, sensor_named
 from chromanoise.study.catalog import unknown_name
-from chromanoise.study.resolve import resolve_filter, resolve_illuminant, resolve_sensor
+from chromanoise.study.resolve_names import resolve_filter, resolve_illuminant, resolve_sensor
 from outcomes import refused_input
 
 UNKNOWN = {

@@ -14,7 +14,7 @@ from chromanoise.io import read_sensor
 from chromanoise.io.spectra import Answers, power_of, read_curves
 from chromanoise.sensor import PAPER_PIXEL
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.study.resolve import resolve_filter, resolve_illuminant
+from chromanoise.study.resolve_names import resolve_filter, resolve_illuminant
 from outcomes import refused_input
 
 AT_NM = np.arange(380.0, 1071.0, 10.0)

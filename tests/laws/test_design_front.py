@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from chromanoise.apps.design.front import (
+from chromanoise.apps.design.pareto_front import (
     crowding,
     extremes,
     front_of,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import design_problems
-from chromanoise.apps.design.front import Evaluated
+from chromanoise.apps.design.pareto_front import Evaluated
 from chromanoise.apps.design.search import SearchOptions, scheduler_at, searched_front
 from dear import dear
 from design_problems import bnh

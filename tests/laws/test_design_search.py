@@ -13,7 +13,7 @@ from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
 import chromanoise.apps.design.search as searching
 from chromanoise.apps.design.algorithms import METHODS, _crossed, _fronts, _mutated, improved
-from chromanoise.apps.design.front import Evaluated, Problem, non_dominated
+from chromanoise.apps.design.pareto_front import Evaluated, Problem, non_dominated
 from chromanoise.apps.design.search import SearchOptions, searched_front
 from chromanoise.base import packages
 from chromanoise.base.errors import InputError

@@ -6,7 +6,7 @@ import pytest
 import chromanoise as cn
 from chromanoise.base.palette import DIFFERENCES, VALUES
 from chromanoise.charts import drawing, shown
-from chromanoise.charts.maps import MOST_VALUES
+from chromanoise.charts.heat_map import MOST_VALUES
 from chromanoise.study import study_from_data
 
 SENSORS = ("onyx-rgb", "onyx-rgb-ircut", "onyx-rgbw")

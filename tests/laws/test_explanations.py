@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import make_formulas
-from chromanoise.charts.by_name import SECTIONS
 from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json, mathml
+from chromanoise.charts.registry import SECTIONS
 
 NOMENCLATURE = Path(__file__).parents[2] / "docs" / "nomenclature.md"
 _MATHML = "{http://www.w3.org/1998/Math/MathML}"

@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from chromanoise.apps.design.front import front_from_text, member_csv, read_front
 from chromanoise.apps.design.front_charts import drawn_front
-from chromanoise.study.resolve import resolve_sensor
+from chromanoise.apps.design.pareto_front import front_from_text, member_csv, read_front
+from chromanoise.study.resolve_names import resolve_sensor
 from fronts import REFERENCES, front_of_ir_cuts
 from outcomes import refused_input
 

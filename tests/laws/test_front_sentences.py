@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from chromanoise.apps.design.design_result import front_sentences
-from chromanoise.apps.design.front import Front, Member
 from chromanoise.apps.design.objectives import OBJECTIVES
 from chromanoise.apps.design.parameters import Parameter
+from chromanoise.apps.design.pareto_front import Front, Member
 
 PARAMETER = Parameter(name="R.width_nm", unit="nm", low=20.0, high=80.0)
 

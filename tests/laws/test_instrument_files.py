@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
 
 from chromanoise.io.spectra import Answers, qe_of, read_curves
-from chromanoise.study.resolve import resolve_filter, resolve_illuminant
+from chromanoise.study.resolve_names import resolve_filter, resolve_illuminant
 from outcomes import refused_input
 from spectrum_samples import Written, asd_bytes, asdf_lines, jcamp_block, written_files
 

@@ -26,7 +26,7 @@ from chromanoise.sensor import CameraNoise, Pixel, binned, shot_and_read_only, w
 from chromanoise.sensor.noise_sources import NoiseSource
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import sensor_named, study_from_data, study_hash
-from chromanoise.study.resolve import object_word
+from chromanoise.study.resolve_names import object_word
 from laws.test_noise_sources import EXPOSURE, FRAMES, camera, flat, pictures, point
 from outcomes import refused_input
 

@@ -17,7 +17,7 @@ from chromanoise.io.result_tables import table_from_json
 from chromanoise.io.sensor_files import sensor_from_json, sensor_json
 from chromanoise.io.spectra import read_curves
 from chromanoise.study import read_pixel_source, recorded_run
-from chromanoise.study.resolve import resolve_sensor
+from chromanoise.study.resolve_names import resolve_sensor
 from outcomes import refused_input
 from strategies import white_channel
 

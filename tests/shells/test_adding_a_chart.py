@@ -44,7 +44,7 @@ def drawn_pitches(shown: Shown, look: Look) -> Chart:
     )
 '''
 EDITS = {  # by file: what is inserted, each before a text
-    "charts/by_name.py": [
+    "charts/registry.py": [
         (
             "from chromanoise.charts.sensitivities",
             "from chromanoise.charts.pitches import drawn_pitches\n",

@@ -9,7 +9,7 @@ from chromanoise.study import study_from_data, study_from_text
 from chromanoise.study.assembly import sensor_of
 from chromanoise.study.function_settings import study_as_command
 from chromanoise.study.hashes import study_hash
-from chromanoise.study.resolve import resolve_filter, resolve_sensor
+from chromanoise.study.resolve_names import resolve_filter, resolve_sensor
 from outcomes import refused, refused_input
 
 

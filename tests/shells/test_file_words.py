@@ -7,7 +7,7 @@ import pytest
 
 from chromanoise.io.spectra import Answers
 from chromanoise.study import read_study, study_hash
-from chromanoise.study.resolve import (
+from chromanoise.study.resolve_names import (
     is_file_word,
     resolve_filter,
     resolve_illuminant,

@@ -18,7 +18,7 @@ from chromanoise.study import (
     study_hash,
 )
 from chromanoise.study.assembly import sensor_of
-from chromanoise.study.resolve import behind_resolved_filter, resolve_filter, word_files
+from chromanoise.study.resolve_names import behind_resolved_filter, resolve_filter, word_files
 from chromanoise.study.schema import SensorPart
 from outcomes import refused
 

@@ -30,7 +30,7 @@ from chromanoise.study.catalog import sensor_named
 from chromanoise.study.color_matrices import METHODS, matrix_makers
 from chromanoise.study.hashes import study_hash
 from chromanoise.study.reading import study_from_text
-from chromanoise.study.resolve import catalog_word
+from chromanoise.study.resolve_names import catalog_word
 from outcomes import refused_input
 
 SENSOR = "onyx-rgbw"

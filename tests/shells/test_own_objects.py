@@ -24,7 +24,7 @@ from chromanoise.study import (
     study_from_data,
     study_hash,
 )
-from chromanoise.study.resolve import object_word
+from chromanoise.study.resolve_names import object_word
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import Studies
 from chromanoise.web.requests import QuestionError, Uploads

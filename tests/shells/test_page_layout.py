@@ -3,7 +3,7 @@
 import pytest
 
 from chromanoise.charts import drawing, shown
-from chromanoise.charts.by_name import SECTIONS
+from chromanoise.charts.registry import SECTIONS
 from chromanoise.study import study_from_data
 from dear import dear
 from shells.browser import answer_to, at_rest, until

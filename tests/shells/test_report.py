@@ -15,9 +15,9 @@ from hypothesis import given, strategies as st
 
 from chart_values import rows_of, stages_of
 from chromanoise.charts import PARTS, as_data, drawing, shown, study_figures
-from chromanoise.charts.by_name import SECTIONS
 from chromanoise.charts.explanations import EXPLANATIONS, mathml
 from chromanoise.charts.figure_style import figure_bytes
+from chromanoise.charts.registry import SECTIONS
 from chromanoise.cli.entry import run as run_command
 from chromanoise.io.result_tables import written
 from chromanoise.study import (

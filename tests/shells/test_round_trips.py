@@ -9,7 +9,7 @@ import pytest
 
 from chromanoise.io.result_tables import table_from_json
 from chromanoise.io.spectra import Answers, read_curves
-from chromanoise.study.resolve import resolve_filter, resolve_illuminant, resolve_sensor
+from chromanoise.study.resolve_names import resolve_filter, resolve_illuminant, resolve_sensor
 
 AT_NM = np.array([400.0, 437.5, 500.0, 612.3, 700.0, 1050.0])
 SMALL = 10.0 ** np.array([-1, -3, -12, 0, -6, -2])

@@ -11,15 +11,6 @@ from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.charts.budget_chart import cause_label as cause_label
-    from chromanoise.charts.by_name import (
-        DRAWINGS as DRAWINGS,
-        PARTS as PARTS,
-        SECTIONS,
-        Section,
-        chart_csv as chart_csv,
-        chart_rows as chart_rows,
-        drawing as drawing,
-    )
     from chromanoise.charts.card import (
         MOST_ON_CARD,
         PAPERS_IN,
@@ -74,6 +65,15 @@ if TYPE_CHECKING:
         electrons,
         listed,
         table,
+    )
+    from chromanoise.charts.registry import (
+        DRAWINGS as DRAWINGS,
+        PARTS as PARTS,
+        SECTIONS,
+        Section,
+        chart_csv as chart_csv,
+        chart_rows as chart_rows,
+        drawing as drawing,
     )
     from chromanoise.charts.result_figures import (
         draw_analyses as draw_analyses,

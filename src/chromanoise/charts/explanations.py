@@ -534,7 +534,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         source="Mahalanobis, Proc. Nat. Inst. Sci. India 2 (1936) 49-55; ICRU Report 54 (1996)",
     ),
 }
-"""By the keys of `chromanoise.charts.by_name.SECTIONS`."""
+"""By the keys of `chromanoise.charts.registry.SECTIONS`."""
 
 
 def explanation_as_json(key: str) -> dict[str, Any]:

@@ -11,7 +11,6 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chromanoise.charts.by_name import SECTIONS, drawing
 from chromanoise.charts.charted_study import Shown, unclipped_remark
 from chromanoise.charts.description import Cells
 from chromanoise.charts.figure_marks import draw_panel
@@ -22,8 +21,9 @@ from chromanoise.charts.figure_style import (
     sensor_label,
     write_sensor,
 )
+from chromanoise.charts.heat_map import map_of, sweep_maps
 from chromanoise.charts.levels import crossing_rules, curves_chart, level_curves
-from chromanoise.charts.maps import map_of, sweep_maps
+from chromanoise.charts.registry import SECTIONS, drawing
 from chromanoise.charts.result_figures import draw_pareto
 from chromanoise.charts.sensitivities import sensitivities_chart
 from chromanoise.noise import conditions, light_and_exposure

@@ -42,6 +42,18 @@ if TYPE_CHECKING:
         noise_aware as noise_aware,
         noise_aware_over_light as noise_aware_over_light,
     )
+    from chromanoise.color.noise_in_spaces import (
+        FIRST_ORDER_TOLERANCE as FIRST_ORDER_TOLERANCE,
+        UNBOUNDED as UNBOUNDED,
+        ColorNoise as ColorNoise,
+        ElectronSource as ElectronSource,
+        Method as Method,
+        NoisyColor as NoisyColor,
+        SpaceMoments as SpaceMoments,
+        noisy_color as noisy_color,
+        propagate as propagate,
+        relative_sd_error as relative_sd_error,
+    )
     from chromanoise.color.pipeline import (
         LUMA_WEIGHTS as LUMA_WEIGHTS,
         RGB,
@@ -65,18 +77,6 @@ if TYPE_CHECKING:
         white_balanced as white_balanced,
         with_exposure_gain as with_exposure_gain,
         with_saturation as with_saturation,
-    )
-    from chromanoise.color.propagation import (
-        FIRST_ORDER_TOLERANCE as FIRST_ORDER_TOLERANCE,
-        UNBOUNDED as UNBOUNDED,
-        ColorNoise as ColorNoise,
-        ElectronSource as ElectronSource,
-        Method as Method,
-        NoisyColor as NoisyColor,
-        SpaceMoments as SpaceMoments,
-        noisy_color as noisy_color,
-        propagate as propagate,
-        relative_sd_error as relative_sd_error,
     )
     from chromanoise.color.root_polynomials import (
         RootPolynomial as RootPolynomial,

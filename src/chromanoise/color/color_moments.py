@@ -18,7 +18,7 @@ from functools import cache, lru_cache
 import numpy as np
 
 from chromanoise.base import Array, Bool, Float, InputError, check, eigh, eigvalsh, qr, stream, svd
-from chromanoise.color.propagation import ElectronSource, NoisyColor, SpaceMoments
+from chromanoise.color.noise_in_spaces import ElectronSource, NoisyColor, SpaceMoments
 from chromanoise.color.spaces import LAB, Space, ciede2000_difference
 from chromanoise.noise import (
     NoiseSources,

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from chromanoise.base import InputError, regular_file
-from chromanoise.io.envi import envi_library, envi_pair, read_envi_library
+from chromanoise.io.envi_layout import envi_library, envi_pair, read_envi_library
 from chromanoise.io.matlab import is_matlab
 from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.delimited import is_cgats, read_cgats, read_delimited, read_workbook

@@ -111,13 +111,6 @@ if TYPE_CHECKING:
         visual_noise_of as visual_noise_of,
         white_snr_db as white_snr_db,
     )
-    from chromanoise.study.conditions import (
-        Condition as Condition,
-        JudgedResult as JudgedResult,
-        conditions_of as conditions_of,
-        failures_of as failures_of,
-        names_of_entries as names_of_entries,
-    )
     from chromanoise.study.denoised_files import (
         DenoisedPicture as DenoisedPicture,
         DenoisingPlan as DenoisingPlan,
@@ -129,6 +122,13 @@ if TYPE_CHECKING:
         prepared_denoising as prepared_denoising,
         refuse_other_denoised as refuse_other_denoised,
         write_denoised as write_denoised,
+    )
+    from chromanoise.study.fail_conditions import (
+        Condition as Condition,
+        JudgedResult as JudgedResult,
+        conditions_of as conditions_of,
+        failures_of as failures_of,
+        names_of_entries as names_of_entries,
     )
     from chromanoise.study.function_settings import (
         FUNCTIONS as FUNCTIONS,
@@ -167,6 +167,7 @@ if TYPE_CHECKING:
         RenderSettings as RenderSettings,
         SensitivitySettings as SensitivitySettings,
     )
+    from chromanoise.study.maps import CrossoverLine, QuantityMap, best_of, by_matrix
     from chromanoise.study.merits import (
         Merit as Merit,
         Merits as Merits,
@@ -192,13 +193,9 @@ if TYPE_CHECKING:
         MOST_PAIRS_SENSORS,
         Crossover as Crossover,
         CrossoverBand as CrossoverBand,
-        CrossoverLine,
         Incomparable as Incomparable,
-        QuantityMap,
         Rank,
         band_sentence as band_sentence,
-        best_of,
-        by_matrix,
         crossover_bands as crossover_bands,
         crossover_sentence as crossover_sentence,
         crossovers as crossovers,
@@ -239,7 +236,7 @@ if TYPE_CHECKING:
         raw_information,
         raw_outcomes,
     )
-    from chromanoise.study.resolve import (
+    from chromanoise.study.resolve_names import (
         CURVES,
         PAIRS_HEADER,
         curves_of_object,

@@ -42,7 +42,7 @@ from chromanoise.study.color_matrices import (
     trained_names,
 )
 from chromanoise.study.pixel_files import idle_answers, sensor_with_pixel
-from chromanoise.study.resolve import (
+from chromanoise.study.resolve_names import (
     Curves,
     WordKind,
     behind_resolved_filter,

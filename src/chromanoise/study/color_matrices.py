@@ -32,7 +32,7 @@ from chromanoise.io import GivenMatrix, is_matrix_file, matrix_of_array, read_ma
 from chromanoise.noise import Exposure, OperatingPoint, expected_electrons, white_scene
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import DEFAULT_OBSERVER, Illuminant, Metric, Spectra, chart_title
-from chromanoise.study.resolve import file_of, is_object_word, shown_word
+from chromanoise.study.resolve_names import file_of, is_object_word, shown_word
 
 Prior = Callable[[Illuminant], Training]
 """A function from a lamp to a training set of reflectances."""

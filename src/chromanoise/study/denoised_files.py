@@ -76,7 +76,7 @@ from chromanoise.study.color_matrices import DEFAULT_METHOD, MatrixMaker
 from chromanoise.study.function_settings import FUNCTIONS, Settings, study_of
 from chromanoise.study.hashes import digests_of, study_as_json
 from chromanoise.study.pixel_files import converter_of, read_pixel_source
-from chromanoise.study.resolve import file_of
+from chromanoise.study.resolve_names import file_of
 from chromanoise.study.run_files import refuse_other_record
 from chromanoise.study.schema import Study
 

@@ -18,7 +18,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 from chromanoise.base import InputError, Interface, did_you_mean, errors_in, refusal
 from chromanoise.study.color_matrices import DEFAULT_METHOD
 from chromanoise.study.reading import refuse_objects, study_as_toml, study_from_data
-from chromanoise.study.resolve import shown_word
+from chromanoise.study.resolve_names import shown_word
 from chromanoise.study.schema import KEYS, KeyOfStudy, Study
 
 Settings = Mapping[str, Any]

@@ -27,7 +27,7 @@ import numpy as np
 from chromanoise.base import InputError, __version__, blas_kernel, regular_file
 from chromanoise.io import DATA_SUFFIXES, envi_pair, is_matrix_file
 from chromanoise.study.catalog import catalog_folder
-from chromanoise.study.resolve import (
+from chromanoise.study.resolve_names import (
     file_of,
     is_file_word,
     is_object_word,

@@ -10,7 +10,11 @@ from chromanoise.base import Array, Int, JsonKey, JsonKeys, with_short_repr
 from chromanoise.io import number_text
 from chromanoise.noise import OperatingPoint
 from chromanoise.study.color_matrices import MatrixFunction
-from chromanoise.study.ranking import TIE, QuantityMap, value_in_words
+from chromanoise.study.maps import QuantityMap
+from chromanoise.study.ranking import (
+    TIE,
+    value_in_words,
+)
 from chromanoise.study.sweeps import Curve, Quantity, Sweep
 
 Place = Literal["inside", "first", "last", "saturation", "everywhere"]

@@ -20,7 +20,7 @@ from chromanoise.io.pixels import (
 )
 from chromanoise.io.spectra import ASK, Answers
 from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Converter, PixelSource, Sensor, with_pixel
-from chromanoise.study.resolve import (
+from chromanoise.study.resolve_names import (
     Curves,
     asked_of_name,
     file_of,

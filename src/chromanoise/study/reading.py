@@ -27,7 +27,7 @@ from chromanoise.base import (
 from chromanoise.noise import OperatingPoint
 from chromanoise.study.assembly import unresolved
 from chromanoise.study.hashes import FileWord, with_file_words
-from chromanoise.study.resolve import file_of, is_object_word, shown_word, word_beside
+from chromanoise.study.resolve_names import file_of, is_object_word, shown_word, word_beside
 from chromanoise.study.schema import KEEP_IDLE, Study, StudyKind
 
 

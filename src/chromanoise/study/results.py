@@ -80,6 +80,7 @@ from chromanoise.study.color_noise import (
     visual_noise_of,
     white_snr_db,
 )
+from chromanoise.study.maps import CrossoverLine, QuantityMap, best_of, by_matrix
 from chromanoise.study.merits import Merits, merits_of
 from chromanoise.study.optima import (
     BestCell,
@@ -92,12 +93,8 @@ from chromanoise.study.ranking import (
     MOST_PAIRS_SENSORS,
     Crossover,
     CrossoverBand,
-    CrossoverLine,
     Lead,
-    QuantityMap,
     Rank,
-    best_of,
-    by_matrix,
     crossover_sentence,
     lead_changes,
     lead_sentences,

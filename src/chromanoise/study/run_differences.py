@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from chromanoise.base import InputError, JsonKeys, plain
 from chromanoise.io import Table, table_of
-from chromanoise.study.conditions import names_of_entries
+from chromanoise.study.fail_conditions import names_of_entries
 from chromanoise.study.run_files import ROUNDING, STUDY_FILE, output_files, read_record
 
 _MOST_SHOWN = 5

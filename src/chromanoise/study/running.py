@@ -36,17 +36,17 @@ from chromanoise.study.assembly import (
 )
 from chromanoise.study.color_matrices import MatrixMaker
 from chromanoise.study.color_noise import noise_weights, pareto_of
+from chromanoise.study.maps import mapped
 from chromanoise.study.optima import optima
 from chromanoise.study.ranking import (
     CrossoverBand,
     crossover_bands,
     crossovers,
     leads,
-    mapped,
     ranking,
 )
 from chromanoise.study.reading import file_word, refuse_shared_file_names
-from chromanoise.study.resolve import shown_word
+from chromanoise.study.resolve_names import shown_word
 from chromanoise.study.results import (
     Analyses,
     Comparison,

@@ -73,7 +73,7 @@ from chromanoise.study.color_matrices import (
     matrix_makers,
     trained_names,
 )
-from chromanoise.study.resolve import is_file_word, is_object_word, is_reflectance_file
+from chromanoise.study.resolve_names import is_file_word, is_object_word, is_reflectance_file
 from chromanoise.study.sweeps import QUANTITIES, SWEEPS
 
 if TYPE_CHECKING:

@@ -48,7 +48,7 @@ class Step:
     heading
         Of a few words.
     parts
-        The charts that show it, from `chromanoise.charts.by_name.SECTIONS`; the page scrolls to
+        The charts that show it, from `chromanoise.charts.registry.SECTIONS`; the page scrolls to
         the first.
     sentences
         What they show, with the numbers of the study of the step.

@@ -27,22 +27,6 @@ if TYPE_CHECKING:
         DesignScene as DesignScene,
         Objectives as Objectives,
     )
-    from chromanoise.apps.design.front import (
-        FRONT_SCHEMA as FRONT_SCHEMA,
-        Evaluated as Evaluated,
-        Front as Front,
-        FrontFile as FrontFile,
-        FrontMember as FrontMember,
-        FrontObjective as FrontObjective,
-        FrontReference as FrontReference,
-        FrontScene as FrontScene,
-        Linearized as Linearized,
-        Member as Member,
-        Problem as Problem,
-        front_of as front_of,
-        member_csv as member_csv,
-        read_front as read_front,
-    )
     from chromanoise.apps.design.front_charts import (
         draw_front as draw_front,
         draw_sensitivity as draw_sensitivity,
@@ -64,6 +48,22 @@ if TYPE_CHECKING:
         Candidates as Candidates,
         Free as Free,
         Parameter as Parameter,
+    )
+    from chromanoise.apps.design.pareto_front import (
+        FRONT_SCHEMA as FRONT_SCHEMA,
+        Evaluated as Evaluated,
+        Front as Front,
+        FrontFile as FrontFile,
+        FrontMember as FrontMember,
+        FrontObjective as FrontObjective,
+        FrontReference as FrontReference,
+        FrontScene as FrontScene,
+        Linearized as Linearized,
+        Member as Member,
+        Problem as Problem,
+        front_of as front_of,
+        member_csv as member_csv,
+        read_front as read_front,
     )
     from chromanoise.apps.design.search import (
         FrontResult as FrontResult,

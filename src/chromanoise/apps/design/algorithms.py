@@ -21,7 +21,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from chromanoise.apps.design.front import (
+from chromanoise.apps.design.pareto_front import (
     MOST_WITHOUT_PYMOO,
     Evaluated,
     Problem,

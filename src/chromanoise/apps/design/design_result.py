@@ -17,7 +17,18 @@ import numpy as np
 
 from chromanoise.apps.design.design_document import ChannelPart, DesignStudy, FilterPart
 from chromanoise.apps.design.evaluation import DesignScene
-from chromanoise.apps.design.front import (
+from chromanoise.apps.design.objectives import OBJECTIVES, Objective
+from chromanoise.apps.design.optimizing import (
+    Reference,
+    Task,
+    beside_of,
+    impossible,
+    start_of,
+    task_of,
+    with_constraint_sizes,
+)
+from chromanoise.apps.design.parameters import Parameter
+from chromanoise.apps.design.pareto_front import (
     Front,
     FrontConvergence,
     FrontCurves,
@@ -31,17 +42,6 @@ from chromanoise.apps.design.front import (
     Member,
     front_of,
 )
-from chromanoise.apps.design.objectives import OBJECTIVES, Objective
-from chromanoise.apps.design.optimizing import (
-    Reference,
-    Task,
-    beside_of,
-    impossible,
-    start_of,
-    task_of,
-    with_constraint_sizes,
-)
-from chromanoise.apps.design.parameters import Parameter
 from chromanoise.apps.design.search import FrontResult, Progress, Scheduler, searched_front
 from chromanoise.apps.design.space import LEAST_SHARE
 from chromanoise.base import (

@@ -5,7 +5,12 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chromanoise.apps.design.front import FrontFile, FrontMember, FrontObjective, FrontReference
+from chromanoise.apps.design.pareto_front import (
+    FrontFile,
+    FrontMember,
+    FrontObjective,
+    FrontReference,
+)
 from chromanoise.apps.design.sensitivity import Sensitivity
 from chromanoise.base import check
 from chromanoise.charts import (

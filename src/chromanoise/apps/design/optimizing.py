@@ -18,7 +18,6 @@ from chromanoise.apps.design.design_document import (
     FilterPart,
 )
 from chromanoise.apps.design.evaluation import DesignScene, Objectives
-from chromanoise.apps.design.front import Evaluated, Front, Linearized, Problem
 from chromanoise.apps.design.objectives import OBJECTIVES
 from chromanoise.apps.design.parameters import (
     Candidates,
@@ -27,6 +26,7 @@ from chromanoise.apps.design.parameters import (
     over_tolerances,
     refuse_exact,
 )
+from chromanoise.apps.design.pareto_front import Evaluated, Front, Linearized, Problem
 from chromanoise.apps.design.search import (
     SearchOptions,
 )

@@ -30,7 +30,7 @@ from chromanoise.apps.design.algorithms import (
     improved,
     latin_hypercube,
 )
-from chromanoise.apps.design.front import (
+from chromanoise.apps.design.pareto_front import (
     Archive,
     Evaluated,
     Problem,

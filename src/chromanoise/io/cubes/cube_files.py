@@ -10,7 +10,6 @@ import re
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -18,6 +17,7 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Shaped, reason, regular_file
 from chromanoise.io.cubes.cube_metadata import interpreted
+from chromanoise.io.cubes.envi_cube import envi_cube
 from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS, hdf5_store, is_hdf5
 from chromanoise.io.cubes.labeled import Store, array_store, labeled_cube
 from chromanoise.io.cubes.raw_cube import (
@@ -30,15 +30,7 @@ from chromanoise.io.cubes.raw_cube import (
 )
 from chromanoise.io.cubes.tiff import ENDINGS as TIFF_ENDINGS, tiff_cube
 from chromanoise.io.cubes.zarr_store import is_zarr, zarr_store
-from chromanoise.io.envi import (
-    DATA_SUFFIXES,
-    envi_pair,
-    envi_pixels,
-    envi_scale,
-    envi_wavelengths,
-    has_envi_wavelengths,
-    read_envi_header,
-)
+from chromanoise.io.envi_layout import DATA_SUFFIXES, envi_pair
 from chromanoise.io.matlab import mat_array, mat_arrays
 from chromanoise.io.source_files import has, refused
 from chromanoise.spectra import Cube
@@ -394,29 +386,11 @@ def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
         need = "must be a file, a Zarr store or a folder of one PNG per band"
         held = "is another directory"
         raise refused(path, need, found=held, remedy="name the file of the cube in it")
-    found = ((form and form.cube) or _envi)(path, shape)
+    found = ((form and form.cube) or envi_cube)(path, shape)
+    if found is None:
+        raise _unknown(path)
     unused = () if key is None else (f"key {key!r} not used: the file holds one array",)
     return replace(found, notes=(*unused, *found.notes))
-
-
-def _envi(path: Path, shape: tuple[int, int] | None) -> Found:
-    try:
-        pair = envi_pair(path)
-        if pair is None:
-            raise _unknown(path)
-        header = read_envi_header(pair[0])
-        pixels, notes = envi_pixels(header, pair[1])
-    except OSError as error:
-        raise refused(path, f"cannot be read ({reason(error)})") from None
-    refuse_other_shape(path, pixels, shape)
-    return Found(
-        pixels=pixels,
-        wavelengths=partial(envi_wavelengths, header) if has_envi_wavelengths(header) else None,
-        scale=partial(envi_scale, header),
-        description=header.fields.get("description", ""),
-        units=" ".join(header.fields.get(name, "") for name in ("data units", "units")),
-        notes=notes,
-    )
 
 
 def _unknown(path: Path) -> InputError:

@@ -30,15 +30,13 @@ export const PARTS = [];
 
 /** Sections that are no drawn parts. */
 const OTHERS = ["head", "picture"];
-/** Sections that need two columns, such as charts with a panel for each sensor, side by side. */
-const BROAD = [...OTHERS, "budget", "vectors", "stages", "ellipses", "sensitivities"];
 
 /**
  * A section of the page: heading, caption and the place of its drawing.
  *
  * @param {Section} section
  */
-function sectionOf({ part, heading, shows, explanations }) {
+function sectionOf({ part, heading, shows, explanations, is_broad }) {
   const title = el("h2", { id: `h-${part}`, text: heading });
   const why = el("button", {
     type: "button",
@@ -50,7 +48,7 @@ function sectionOf({ part, heading, shows, explanations }) {
   return el(
     "section",
     {
-      class: BROAD.includes(part) ? "panel broad" : "panel",
+      class: is_broad ? "panel broad" : "panel",
       "data-part": part,
       "aria-labelledby": title.id,
       "aria-busy": part === "head" ? null : "true",

@@ -13,8 +13,8 @@ from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.color_checker import drawn_chart
 from chromanoise.charts.description import Chart, as_data, csv_rows
 from chromanoise.charts.ellipses import drawn_ellipses
+from chromanoise.charts.heat_map import drawn_map
 from chromanoise.charts.levels import drawn_levels
-from chromanoise.charts.maps import drawn_map
 from chromanoise.charts.pareto_curves import drawn_pareto
 from chromanoise.charts.sensitivities import drawn_sensitivities
 from chromanoise.charts.stages import drawn_stages
@@ -34,12 +34,15 @@ class Section:
         What it shows, in one sentence.
     explanations
         Keys of `chromanoise.charts.explanations.EXPLANATIONS`, for its ``?``.
+    is_broad
+        Whether it needs two columns of the page, such as a chart with a panel for each sensor.
     """
 
     part: str
     heading: str
     shows: str
     explanations: tuple[str, ...]
+    is_broad: bool = False
 
 
 SECTIONS: tuple[Section, ...] = (
@@ -48,12 +51,14 @@ SECTIONS: tuple[Section, ...] = (
         heading="The picture",
         shows="The same scene, light and time through each sensor.",
         explanations=("picture", "color"),
+        is_broad=True,
     ),
     Section(
         part="head",
         heading="Sensors",
         shows="The rank follows the SNR of Y; the electrons are those of a perfect white.",
         explanations=("electrons", "color", "price"),
+        is_broad=True,
     ),
     Section(
         part="budget",
@@ -61,6 +66,7 @@ SECTIONS: tuple[Section, ...] = (
         shows="From every photon that hits the pixels down to one color coordinate: what each "
         "cause costs.",
         explanations=("budget", "bound", "price"),
+        is_broad=True,
     ),
     Section(
         part="vectors",
@@ -68,12 +74,14 @@ SECTIONS: tuple[Section, ...] = (
         shows="The smaller the angle between two channels, the noisier their unmixing, and the "
         "larger the ellipsoid of uncertainty around the light.",
         explanations=("vectors",),
+        is_broad=True,
     ),
     Section(
         part="stages",
         heading="SNR from raw to color",
         shows="The SNR of the same light at each stage: channels as read, unmixed, and as color.",
         explanations=("raw", "contravariant", "spectral", "color", "lab", "bound", "price"),
+        is_broad=True,
     ),
     Section(
         part="levels",
@@ -93,6 +101,7 @@ SECTIONS: tuple[Section, ...] = (
         shows="For every patch of the chart: the cross is its true color, the ellipse shows how "
         "far noise moves it.",
         explanations=("ellipses",),
+        is_broad=True,
     ),
     Section(
         part="chart",
@@ -113,6 +122,7 @@ SECTIONS: tuple[Section, ...] = (
         heading="Sensitivities",
         shows="The quantum efficiency of each channel, and the light; the near infrared is shaded.",
         explanations=("electrons",),
+        is_broad=True,
     ),
 )
 """In the order of the page and of the report."""

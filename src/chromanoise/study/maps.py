@@ -1,0 +1,190 @@
+"""A quantity over two parameters: maps of each sensor, and lines of equal sensors."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from chromanoise.base import Array, Float, InputError, Int, check, with_short_repr
+from chromanoise.noise import OperatingPoint
+from chromanoise.study.color_matrices import MatrixFunction
+from chromanoise.study.ranking import (
+    MOST_PAIRS_SENSORS,
+    Crossover,
+    crossovers_or_reasons,
+    leaders_of,
+)
+from chromanoise.study.sweeps import SNR_Y, Curve, Quantity, Sweep, SweptQuantity, compared
+
+
+@with_short_repr
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class QuantityMap(SweptQuantity):
+    """A quantity over two parameters: one row of values per value of the second.
+
+    Attributes
+    ----------
+    second_at
+        Its values. [unit of ``second``]
+    """
+
+    second: Sweep
+    second_at: Float[Array, " j"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossoverLine:
+    """Crossovers of two sensors with one matrix, for each value of the second sweep.
+
+    Attributes
+    ----------
+    first, second, matrix
+        Names of the two sensors and of the matrix.
+    at
+        Their values of the first sweep, one entry per value of the second sweep; empty where there
+        is none. [unit of the first sweep]
+    """
+
+    first: str
+    second: str
+    matrix: str
+    at: tuple[tuple[float, ...], ...]
+
+
+def mapped(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    at: Float[Array, " k"],
+    second_at: Float[Array, " j"],
+    *,
+    sweep: Sweep,
+    second: Sweep,
+    quantity: Quantity = SNR_Y,
+    progress: Callable[[int], None] = lambda _: None,
+) -> tuple[tuple[QuantityMap, ...], tuple[CrossoverLine, ...]]:
+    """A quantity of every sensor with every matrix over two sweeps, and the crossovers of pairs.
+
+    Parameters
+    ----------
+    contestants, makers, quantity, progress
+        As `chromanoise.study.compared`.
+    at, second_at
+        Increasing. [units of the sweeps]
+    sweep, second
+        Two different ones of `SWEEPS`, or your own.
+
+    Returns
+    -------
+    maps, lines
+        One map per sensor and matrix; of up to three sensors, one line per pair and matrix.
+
+    Raises
+    ------
+    InputError
+        If both sweeps vary the same parameter, or as `chromanoise.study.compared`.
+
+    Notes
+    -----
+    Each row is a sweep of its own, with the second value kept. A sweep that replaces the light
+    comes before one that adds to it.
+    """
+    if sweep.name == second.name:
+        raise InputError(
+            "second",
+            "must vary another parameter than the first sweep",
+            value=second.name,
+            found=None,
+        )
+    rows = check.increasing(f"values of {second.name}", second.unit, second_at)
+    for end in (rows[0], rows[-1]):
+        check.within(f"sweep of {second.name}", second.unit, end, second.lowest, second.highest)
+    found = [
+        _row(contestants, makers, at, value, sweep, second, quantity, progress)
+        for value in rows.tolist()
+    ]
+    curves = [row for row, _ in found]
+    maps = tuple(
+        QuantityMap(
+            sensor=one.sensor,
+            label=one.label,
+            matrix=one.matrix,
+            sweep=sweep,
+            second=second,
+            quantity=quantity,
+            at=one.at,
+            second_at=rows,
+            value=np.array([row[i].value for row in curves]),
+            saturated=np.array([row[i].saturated for row in curves]),
+        )
+        for i, one in enumerate(curves[0])
+    )
+    return maps, _lines(maps, [crossed for _, crossed in found])
+
+
+def _row(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    at: Float[Array, " k"],
+    value: float,
+    sweep: Sweep,
+    second: Sweep,
+    quantity: Quantity,
+    progress: Callable[[int], None],
+) -> tuple[tuple[Curve, ...], list[Crossover]]:
+    """One row: the curves at one value of the second sweep, and their crossovers."""
+    if sweep.replaces_light:
+        both = _then(sweep, second, value)
+        moved = list(contestants)
+    else:
+        both, moved = sweep, [second.at(one, value) for one in contestants]
+    curves = compared(moved, makers, at, sweep=both, quantity=quantity, progress=progress)
+    if not 1 < len(contestants) <= MOST_PAIRS_SENSORS:
+        return curves, []
+    pairs = crossovers_or_reasons(moved, makers, curves)
+    return curves, [pair for pair in pairs if isinstance(pair, Crossover)]
+
+
+def _then(sweep: Sweep, second: Sweep, value: float) -> Sweep:
+    """The sweep, with the second parameter set after it."""
+
+    def both(operating_point: OperatingPoint, first: float) -> OperatingPoint:
+        return second.at(sweep.at(operating_point, first), value)
+
+    return replace(sweep, at=both)
+
+
+def _lines(
+    maps: Sequence[QuantityMap], rows: Sequence[Sequence[Crossover]]
+) -> tuple[CrossoverLine, ...]:
+    if len({one.sensor for one in maps}) > MOST_PAIRS_SENSORS:
+        return ()
+    return tuple(
+        CrossoverLine(
+            first=a.sensor,
+            second=b.sensor,
+            matrix=name,
+            at=tuple(_of_pair(row, a, b) for row in rows),
+        )
+        for name, mine in by_matrix(maps).items()
+        for a, b in combinations(mine, 2)
+    )
+
+
+def _of_pair(row: Sequence[Crossover], a: QuantityMap, b: QuantityMap) -> tuple[float, ...]:
+    key = (a.sensor, b.sensor, a.matrix)
+    return next((one.at for one in row if (one.first, one.second, one.matrix) == key), ())
+
+
+def best_of(maps: Sequence[QuantityMap]) -> Int[Array, "j k"]:
+    """Index of the best map at each pair of values, the first of equal ones; -1 without a value."""
+    values = np.array([one.value for one in maps])
+    return np.asarray(leaders_of(values, maps[0].quantity.more_is_better))
+
+
+def by_matrix(maps: Sequence[QuantityMap]) -> dict[str, list[QuantityMap]]:
+    """The maps of each matrix, by its name."""
+    found: dict[str, list[QuantityMap]] = {}
+    for one in maps:
+        found.setdefault(one.matrix, []).append(one)
+    return found
