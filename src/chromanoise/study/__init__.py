@@ -123,6 +123,11 @@ if TYPE_CHECKING:
         refuse_other_denoised as refuse_other_denoised,
         write_denoised as write_denoised,
     )
+    from chromanoise.study.equal_color_sweeps import (
+        EqualColorRange,
+        equal_color_ranges,
+        range_sentence,
+    )
     from chromanoise.study.fail_conditions import (
         Condition as Condition,
         JudgedResult as JudgedResult,

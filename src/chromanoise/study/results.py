@@ -80,6 +80,7 @@ from chromanoise.study.color_noise import (
     visual_noise_of,
     white_snr_db,
 )
+from chromanoise.study.equal_color_sweeps import EqualColorRange, range_sentence
 from chromanoise.study.maps import CrossoverLine, QuantityMap, best_of, by_matrix
 from chromanoise.study.merits import Merits, merits_of
 from chromanoise.study.optima import (
@@ -881,6 +882,8 @@ class Comparison(Result):
         Where which sensor is the best of all, per matrix.
     optima
         At which value of the sweep each sensor is best, per matrix, and between which values.
+    equal_color
+        Who has the least visual noise at equal color error, and where.
     equal, prior
         The exposure rule, and the training set of trained matrices.
     """
@@ -891,7 +894,7 @@ class Comparison(Result):
         JsonKey("quantity", "curves.0.quantity"),
         *("curves", "crossovers"),
         JsonKey("observer", "points.0.observer"),
-        *("equal", "prior", "bands", "ranking", "leads", "optima"),
+        *("equal", "prior", "bands", "ranking", "leads", "optima", "equal_color"),
         JsonKey("sentences", "shown_sentences"),
     )
     OF_QUANTITY: ClassVar[tuple[str, ...]] = ("curves", LIST, "value")  # the key of the quantity
@@ -903,6 +906,7 @@ class Comparison(Result):
     ranking: tuple[Rank, ...]
     leads: tuple[Lead, ...]
     optima: tuple[Optimum, ...]
+    equal_color: tuple[EqualColorRange, ...]
     equal: str
     prior: str
 
@@ -927,15 +931,16 @@ class Comparison(Result):
 
     @property
     def shown_sentences(self) -> list[str]:
-        """The optimum of each sensor, `shown_crossovers`, the matrices of each sensor if several.
+        """Who leads at equal color error, the optimum of each sensor, `shown_crossovers`.
 
-        Of more than three sensors, the leaders follow the optima.
+        Of up to three sensors, the matrices of each if several; of more, the leaders.
         """
         many = len(self.points) > MOST_PAIRS_SENSORS
         first = lead_sentences(self.leads) if many else []
         first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
         best = optima_sentences(self.optima)
-        return [*best, *first, *(crossover_sentence(one) for one in self.shown_crossovers)]
+        crossed = [crossover_sentence(one) for one in self.shown_crossovers]
+        return [*map(range_sentence, self.equal_color), *best, *first, *crossed]
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""

@@ -36,6 +36,7 @@ from chromanoise.study.assembly import (
 )
 from chromanoise.study.color_matrices import MatrixMaker
 from chromanoise.study.color_noise import noise_weights, pareto_of
+from chromanoise.study.equal_color_sweeps import equal_color_ranges
 from chromanoise.study.maps import mapped
 from chromanoise.study.optima import optima
 from chromanoise.study.ranking import (
@@ -414,7 +415,7 @@ def result_steps(
     return (
         *(_analysis(study, points, *one, balance) for one in named if out.analyses),
         *(_matrix(study, points, *one, weights, given) for one in named if out.matrix),
-        *(_sweep(study, points, makers, number) for number in range(len(study.sweeps))),
+        *(_sweep(study, points, makers, number, given) for number in range(len(study.sweeps))),
     )
 
 
@@ -481,7 +482,7 @@ def _matrix(
     )
 
 
-def _sweep(study: Study, points: Points, makers: Makers, number: int) -> Step:
+def _sweep(study: Study, points: Points, makers: Makers, number: int, given: Given) -> Step:
     part = study.sweeps[number]
     sweep, quantity = SWEEPS[part.vary], QUANTITIES[part.quantity]
     values = _values(part, f"sweeps.{number}")
@@ -507,6 +508,9 @@ def _sweep(study: Study, points: Points, makers: Makers, number: int) -> Step:
             ranking=ranking(points, makers, quantity),
             leads=leads(curves, crossed),
             optima=optima(points, makers, curves),
+            equal_color=()
+            if quantity.of_raw
+            else equal_color_ranges(points, sweep, curves[0].at, prior=prior_of(study, given)),
             equal=study.exposure.equal,
             prior=study.prior,
         )

@@ -1,0 +1,67 @@
+"""Who has the least visual noise at equal color error, over a sweep."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import chromanoise as cn
+from chromanoise.noise import Exposure, OperatingPoint
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study import SWEEPS, equal_color, equal_color_ranges, sensor_named
+
+LEVELS_LUX = np.geomspace(0.3, 300.0, 9)
+
+
+def points_of(*sensors):
+    return [
+        OperatingPoint(
+            sensor=one,
+            exposure=Exposure(time_s=11.94e-3),
+            illuminant=equal_energy(DEFAULT_GRID),
+            level_lux=10.0,
+        )
+        for one in sensors
+    ]
+
+
+@pytest.fixture(scope="module")
+def quiet_and_strong():
+    """One sensor reads out without noise, the other one sees four times the light."""
+    base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
+    quiet = replace(base, name="quiet", qe=base.qe / 4, pixel=replace(base.pixel, read_noise_e=0.5))
+    strong = replace(base, name="strong", pixel=replace(base.pixel, read_noise_e=40.0))
+    return points_of(quiet, strong)
+
+
+def test_ranges_change_where_the_verdict_turns_and_end_with_saturation(quiet_and_strong):
+    (turn,) = (one for one in equal_color(quiet_and_strong).turns if one.over == "light [lx]")
+    ranges = equal_color_ranges(quiet_and_strong, SWEEPS["lux"], LEVELS_LUX)
+    led = {one.winner: one for one in ranges if one.winner is not None}
+    assert list(led) == ["quiet", "strong"]
+    assert led["quiet"].last < turn.first <= led["strong"].first
+    assert led["strong"].last < LEVELS_LUX[-1]
+    assert all(one.margin_db[0] <= one.margin_db[1] for one in ranges)
+
+
+def test_a_margin_is_that_of_one_electron_more_or_less(quiet_and_strong):
+    # without photons worth mentioning the noise of both is that of their readout: 40 e- at four
+    # times the light of 0.5 e-
+    (only,) = equal_color_ranges(quiet_and_strong, SWEEPS["lux"], np.array([1e-4]))
+    assert only.margin_db == pytest.approx(2 * (20 * np.log10(40 / 0.5 / 4),), abs=0.1)
+
+
+def test_twins_never_lead():
+    base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
+    twins = points_of(base, replace(base, name="twin"))
+    (tie,) = equal_color_ranges(twins, SWEEPS["lux"], LEVELS_LUX[:3])
+    assert (tie.winner, tie.sensor, tie.first, tie.last) == (None, None, *LEVELS_LUX[[0, 2]])
+
+
+def test_raw_values_and_a_sensor_alone_have_no_color_to_compare():
+    pair, over = ("onyx-rgb", "onyx-rgb-ircut"), {"first": 1.0, "last": 2.0, "points": 3}
+    alone = cn.compare("onyx-rgb", **over)
+    raw = cn.compare(*pair, quantity="information", **over)
+    assert alone.equal_color == raw.equal_color == ()
+    color = cn.compare(*pair, **over).equal_color
+    assert [(one.winner, one.first, one.last) for one in color] == [("onyx-rgb-ircut", 1.0, 2.0)]
