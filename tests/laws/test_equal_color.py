@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 import chromanoise as cn
 from chromanoise.base import InputError
 from chromanoise.charts import shown
-from chromanoise.charts.verdicts import ranking
+from chromanoise.charts.sensor_table import ranking
 from chromanoise.color import NoiseAwareFamily, noise_aware, training_response, white_preserving
 from chromanoise.color.spaces import D65_WHITE, LAB, LUV
 from chromanoise.color.training import chart_training, smooth_training

@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import multivariate_normal, norm, poisson
 
 import chromanoise as cn
-from chromanoise.charts.verdicts import machine_sentences
+from chromanoise.charts.machine_verdicts import machine_sentences
 from chromanoise.metrics import (
     exact_separation_probability,
     gaussian_separation_probability,

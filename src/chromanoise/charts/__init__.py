@@ -58,6 +58,7 @@ if TYPE_CHECKING:
         study_figures as study_figures,
     )
     from chromanoise.charts.levels import at_level, level_curves
+    from chromanoise.charts.machine_verdicts import machine_tables as machine_tables
     from chromanoise.charts.numbers import (
         NONE,
         brief,
@@ -92,10 +93,9 @@ if TYPE_CHECKING:
         outcome_tables,
         pareto_table,
     )
+    from chromanoise.charts.sensor_table import sensor_values
     from chromanoise.charts.verdicts import (
-        machine_tables as machine_tables,
         matrices_in_words,
-        sensor_values,
         verdict_of as verdict_of,
         verdict_sentences as verdict_sentences,
     )

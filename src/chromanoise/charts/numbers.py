@@ -101,3 +101,8 @@ def listed(names: Sequence[str]) -> str:
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, Any]:
     """A table as plain data: one text per column of the head, and of each row."""
     return {"head": list(head), "rows": [list(row) for row in rows]}
+
+
+def three_digits(value: float) -> str:
+    """Three digits, also where the last is 0."""
+    return f"{value:#.3g}".removesuffix(".") if 1e-3 <= value < 1000 else brief(value, 3)

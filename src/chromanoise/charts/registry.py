@@ -17,9 +17,10 @@ from chromanoise.charts.heat_map import drawn_map
 from chromanoise.charts.levels import drawn_levels
 from chromanoise.charts.pareto_curves import drawn_pareto
 from chromanoise.charts.sensitivities import drawn_sensitivities
+from chromanoise.charts.sensor_table import drawn_numbers
 from chromanoise.charts.stages import drawn_stages
 from chromanoise.charts.vectors import drawn_vectors
-from chromanoise.charts.verdicts import drawn_head, drawn_numbers
+from chromanoise.charts.verdicts import drawn_head
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,373 +1,46 @@
-"""Verdicts in sentences and tables that compare sensors, for color and for machine readings.
+"""Verdicts in sentences that compare sensors, for an eye and for a machine.
 
-The head of a page has the verdict, the light, and the settings and electrons of each sensor. The
-table of sensors has rank, SNR, color error and time. A machine reads raw values without a color
-matrix.
+The answer comes first, then its reason, then what the matrix of the analyses gives.
 """
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
 from chromanoise.base import check
 from chromanoise.charts.budget_chart import cause_label
-from chromanoise.charts.charted_study import Look, Shown, saturated_names, saturation_sentence
-from chromanoise.charts.description import numbers_of
-from chromanoise.charts.numbers import NONE, brief, decimal, electrons, listed, signed, table
+from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
+from chromanoise.charts.machine_verdicts import (
+    Read,
+    first_for_a_machine,
+    machine_sentences,
+    readable,
+)
+from chromanoise.charts.numbers import brief, decimal, listed, signed, three_digits
+from chromanoise.charts.sensor_table import RAW_SNR, drawn_numbers, raw_db
 from chromanoise.metrics import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS, Budget
 from chromanoise.noise import DEFAULT_RULE, conditions, level_in_words
-from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, SOURCES, Sensor
-from chromanoise.spectra import Spectra, chart_on, chart_title
+from chromanoise.sensor import SOURCES
+from chromanoise.spectra import Spectra, chart_title
 from chromanoise.study import (
-    BRIGHT,
-    DARK,
     DEFAULT_PRIOR,
     HARDLY_SEEN_DELTA_E,
     LEAST_TIE_DB,
-    RAW,
-    RAW_WITHOUT,
-    READINGS,
-    TARGET,
-    TOLERANCE,
-    VISUAL_NOISE,
     Analysis,
     EqualColor,
-    MachineReading,
-    PairOutcome,
-    RawOutcome,
     Reader,
     Standing,
     Told,
     TradeOff,
     Verdict,
-    assumptions,
     color_snr_db,
     coordinate_budget,
-    diagnosis,
     equal_color,
-    is_assumed,
     lost_colors,
     mean_color_error,
-    pairs_of,
-    raw_outcomes,
     visual_noise_of,
 )
-
-_TIE = 0.005  # relative difference that is no lead
-
-_Labeled = tuple[str, RawOutcome]
-_Read = tuple[str, Mapping[str, RawOutcome]]
-_PairOf = Callable[[RawOutcome], PairOutcome]
-
-
-def machine_sentences(analyses: Sequence[Analysis]) -> list[str]:
-    """Distances of the pairs of patches in raw values: median and worst, with their probability.
-
-    One sentence with brightness, one without. Sensors with a saturated patch are omitted. A
-    decision that is nearly chance is marked as such.
-
-    Parameters
-    ----------
-    analyses
-        Analyses under one light.
-    """
-    return _machine_sentences(analyses, _read(analyses))
-
-
-def _read(analyses: Sequence[Analysis]) -> list[_Read]:
-    """Of the analyses that a machine can read: label and outcomes."""
-    if len(chart_on(analyses[0].sensor.grid, analyses[0].chart).names) < 2:
-        return []
-    outcomes = [(one.sensor.label, raw_outcomes(one)) for one in analyses]
-    return [(label, both) for label, both in outcomes if both is not None]
-
-
-def _machine_sentences(analyses: Sequence[Analysis], found: Sequence[_Read]) -> list[str]:
-    if not found:
-        return []
-    point = analyses[0].point
-    patches = chart_title(point.chart) if point.pairs is None else point.pairs.patches.source
-    count = len(pairs_of(point).indices)
-    what = f"the {count} pairs of {patches}" if count > 1 else f"the pair of {patches}"
-    return [
-        f"{start}: {_sentence([(label, both[reading]) for label, both in found], count)}."
-        for start, reading in (
-            (f"For a machine that reads raw values, over {what}", RAW),
-            ("Without brightness", RAW_WITHOUT),
-        )
-    ]
-
-
-def _first_for_a_machine(found: Sequence[_Read]) -> tuple[str | None, float | None]:
-    """The sensor of the largest median distance, ``None`` for a tie, and its lead. [dB]"""
-    if len(found) < 2:
-        return None, None
-    ranked = sorted(((label, both[RAW].median) for label, both in found), key=_distance_of)
-    (best, first), (_, second) = ranked[:2]
-    lead_db = 20 * math.log10(first.distance / second.distance) if second.distance > 0 else None
-    tied = first.near_chance or first.distance - second.distance <= _TIE * first.distance
-    return None if tied else best, lead_db
-
-
-def _distance_of(one: tuple[str, PairOutcome]) -> float:
-    return -one[1].distance
-
-
-def _sentence(found: Sequence[_Labeled], count: int) -> str:
-    if count == 1:
-        return _compared(found, lambda one: one.median)
-    median = _compared(found, lambda one: one.median)
-    worst = _compared(found, lambda one: one.worst)
-    return f"in the median pair {median}; in the worst pair {worst}"
-
-
-def _compared(found: Sequence[_Labeled], pair: _PairOf) -> str:
-    """The best sensor for this pair and the second best."""
-    ranked = sorted(found, key=lambda one: -pair(one[1]).distance)
-    (best, of_best), *others = [(label, pair(one)) for label, one in ranked]
-    if not others:
-        return f"{best} has the distance {_text(of_best)}"
-    if of_best.near_chance:
-        return f"every sensor has at most the distance {_text(of_best)}"
-    second, of_second = others[0]
-    tied = of_best.distance - of_second.distance <= _TIE * of_best.distance
-    lead = f"{best} and {second} are equal" if tied else f"{best} is better"
-    against = "" if tied else f" for {second}"
-    return f"{lead}, distance {_text(of_best)} against {_text(of_second)}{against}"
-
-
-def _text(pair: PairOutcome) -> str:
-    """A distance with the pair, the probability of a right answer, and whether it is chance."""
-    size = f"{pair.distance:#.3g}" if pair.distance < 100 else f"{pair.distance:.0f}"
-    percent = 100 * pair.probability
-    right = f"{percent:.0f} % right" if percent < 99.5 else "over 99 % right"
-    parts = [" / ".join(pair.names)] if pair.names else []
-    parts += [right] + (["nearly chance"] if pair.near_chance else [])
-    return f"{size} ({', '.join(parts)})"
-
-
-_ABOUT = {"spectrum": "spectrum", "visible": "visible light"}
-_HEADS = ("raw", "color", "raw, no brightness", "color, no brightness")
-
-
-def machine_tables(readings: Sequence[MachineReading]) -> list[dict[str, Any]]:
-    """Tables of distances, contrast detection and information, with ``title`` and ``note``."""
-    return [_separations(readings), _contrasts(readings), _information(readings)]
-
-
-def _separations(readings: Sequence[MachineReading]) -> dict[str, Any]:
-    rows: list[list[str]] = []
-    for reading in readings:
-        found = reading.separation
-        if found is None:
-            rows.append([reading.label, "a patch is saturated", *("" for _ in READINGS)])
-            continue
-        medians = [(found.median_distance(n), found.median_probability(n)) for n in READINGS]
-        count = len(found.pairs.indices)
-        rows.append([reading.label, f"median of {count}", *map(_distance, medians)])
-        at, names = found.worst, found.pairs.names[found.worst]
-        worst = [(found.distance[n][at], found.probability[n][at]) for n in READINGS]
-        rows.append(["", f"worst: {names[0]} / {names[1]}", *map(_distance, worst)])
-    return {
-        "title": "Distance of patches for a machine (probability)",
-        "head": ["sensor", "pairs", *_HEADS],
-        "rows": rows,
-        "note": "Distance of two patches in units of their noise (Mahalanobis), for an ideal "
-        "reader of one pixel; in parentheses the probability that it names the right one of the "
-        "two (0.5 is chance). Medians of distances and of probabilities are taken separately.",
-    }
-
-
-def _contrasts(readings: Sequence[MachineReading]) -> dict[str, Any]:
-    rows = []
-    for reading in readings:
-        found = reading.contrast
-        if found is None:
-            rows.append([reading.label, "saturated", "", ""])
-            continue
-        channels = ", ".join(f"{name} {p:.3f}" for name, p in found.channels.items())
-        luminance = "" if math.isnan(found.luminance) else f"{found.luminance:.3f}"
-        level = "none" if math.isnan(found.level_lux) else f"{found.level_lux:.3g}"
-        rows.append([reading.label, channels, luminance, level])
-    return {
-        "title": "Contrast detection probability for a machine (CDP)",
-        "head": ["sensor", "raw channels", "Y", f"least lux for CDP {TARGET:g}"],
-        "rows": rows,
-        "note": f"Grays of {100 * BRIGHT:g} and {100 * DARK:g} % on one pixel each: the share of "
-        f"readings whose Weber contrast is within {100 * TOLERANCE:g} % of the true one (idea of "
-        "IEEE P2020). Y has none where a channel has fewer than 200 electrons. The last column is "
-        "for the best raw channel, with the time kept.",
-    }
-
-
-def _information(readings: Sequence[MachineReading]) -> dict[str, Any]:
-    every = [name for reading in readings for one in reading.information for name in one.bits]
-    steps = list(dict.fromkeys(every))
-    rows = []
-    for reading in readings:
-        if not reading.information:
-            rows.append([reading.label, "saturated", *("" for _ in steps)])
-        for one in reading.information:
-            bits = [f"{float(one.bits[n]):.2f}" if n in one.bits else "" for n in steps]
-            rows.append([reading.label, _ABOUT[one.about], *bits])
-    source = next((one.prior for reading in readings for one in reading.information), "none")
-    return {
-        "title": "Information for a machine [bit per pixel]",
-        "head": ["sensor", "about", *steps],
-        "rows": rows,
-        "note": f"Least information about reflectances ({source}) that is left after each step, "
-        "for a linear reader of one pixel of each channel.",
-    }
-
-
-def _distance(value: tuple[float, float]) -> str:
-    distance, probability = value
-    digits = "#.3g" if distance < 100 else ".0f"
-    return f"{distance:{digits}} ({probability:.3f})"
-
-
-@dataclass(frozen=True, slots=True)
-class _Column:
-    """A column: ``better`` is ``higher`` or ``lower``, ``None`` where neither is."""
-
-    key: str
-    head: str
-    what: str
-    better: str | None
-    value: Callable[[Analysis], float | None]
-    text: Callable[[float], str] = decimal
-
-
-def ranking(analyses: Sequence[Analysis]) -> dict[str, Any]:
-    """Columns and rows of the table, in the order of the sensors, with their notes.
-
-    A rank is that of the SNR of Y as it is shown, so equal numbers share a rank. A sensor that is
-    saturated or has no luminance has no rank and no SNR.
-
-    Parameters
-    ----------
-    analyses
-        Analyses under one light.
-    """
-    columns = _columns(analyses)
-    return {
-        "columns": [
-            {"key": one.key, "head": one.head, "what": one.what, "better": one.better}
-            for one in columns
-        ],
-        "rows": [_row(analysis, columns) for analysis in analyses],
-        "notes": _notes(analyses),
-    }
-
-
-def _columns(analyses: Sequence[Analysis]) -> list[_Column]:
-    able = [one for one in analyses if _luminance_db(one) is not None]
-    shown = sorted((round(_luminance_db(one) or 0.0, 1) for one in able), reverse=True)
-
-    def rank(analysis: Analysis) -> float | None:
-        luminance_db = _luminance_db(analysis)
-        return None if luminance_db is None else 1.0 + shown.index(round(luminance_db, 1))
-
-    def raw_db(analysis: Analysis) -> float | None:
-        found = math.inf if _luminance_db(analysis) is None else _raw_db(analysis)
-        return found if math.isfinite(found) else None
-
-    raw = f"raw SNR: {RAW_SNR}"
-    loss, error = "best linear SNR minus the SNR of Y", "mean CIE 1976 difference"
-    return [
-        _Column("rank", "rank by SNR of Y", "rank by the SNR of Y", "lower", rank, brief),
-        _Column("raw_db", "raw SNR [dB]", raw, "higher", raw_db),
-        _Column("luminance_db", "SNR of Y [dB]", "SNR of luminance", "higher", _luminance_db),
-        _Column("loss_db", "color SNR loss [dB]", loss, "lower", _loss_db),
-        _Column(
-            "color_error", "color error [ΔE]", f"{error}, without noise", "lower", mean_color_error
-        ),
-        _Column("visual_noise", "visual noise", VISUAL_NOISE, "lower", visual_noise_of, _number),
-        _Column("time_ms", "time [ms]", "exposure time", None, _time_ms, _four_digits),
-        _Column("f_number", "f-number", "f-number", None, lambda one: one.exposure.f_number, brief),
-        *map(_channel, dict.fromkeys(name for one in analyses for name in one.sensor.names)),
-    ]
-
-
-def _channel(name: str) -> _Column:
-    def mean_e(analysis: Analysis) -> float | None:
-        names = analysis.sensor.names
-        return float(analysis.raw.mean[names.index(name)]) if name in names else None
-
-    what = f"mean electrons of channel {name}, perfect white"
-    return _Column(f"mean_e.{name}", f"{name} [e⁻]", what, None, mean_e, electrons)
-
-
-def _row(analysis: Analysis, columns: Sequence[_Column]) -> dict[str, Any]:
-    values = [one.value(analysis) for one in columns]
-    texts = [
-        NONE if value is None else one.text(value)
-        for one, value in zip(columns, values, strict=True)
-    ]
-    return {
-        "name": analysis.sensor.label,
-        "values": values,
-        "text": texts,
-        "saturated": saturated_names(analysis),
-        "assumed": _assumed(analysis.sensor),
-    }
-
-
-def _assumed(sensor: Sensor) -> str:
-    """Which values of the pixel are assumed, in words and numbers; empty if none is."""
-    names = [name for name in PIXEL_REQUIRED if is_assumed(sensor, name)]
-    if not names:
-        return ""
-    values = [f"{getattr(sensor.pixel, one):,g} {_UNITS[PIXEL[one].unit]}" for one in names]
-    verb = "is" if len(names) == 1 else "are"
-    return f"{listed([PIXEL[one].label for one in names])} {verb} assumed: {', '.join(values)}"
-
-
-_UNITS = {"um": "µm", "e-": "e⁻"}
-
-
-def _notes(analyses: Sequence[Analysis]) -> list[str]:
-    """The remarks on the sensors, each once, with the sensors that it applies to.
-
-    What is assumed is in their rows.
-    """
-    named: dict[str, list[str]] = {}
-    for analysis in analyses:
-        beside = assumptions(analysis.sensor)
-        for note in diagnosis(analysis):
-            if note in beside:
-                continue
-            named.setdefault(note, []).append(analysis.sensor.label)
-    return [f"{', '.join(names)}: {note}" for note, names in named.items()]
-
-
-def _luminance_db(analysis: Analysis) -> float | None:
-    return color_snr_db(analysis)["Y"]
-
-
-def _loss_db(analysis: Analysis) -> float | None:
-    return None if _luminance_db(analysis) is None else analysis.color_snr_loss_db
-
-
-def _time_ms(analysis: Analysis) -> float:
-    return 1e3 * analysis.exposure.time_s
-
-
-def _four_digits(value: float) -> str:
-    return brief(value, 4)
-
-
-RAW_SNR = "best linear readout of all channels"
-"""What the raw SNR of a sensor is; it depends on no other sensor."""
-
-
-def _raw_db(analysis: Analysis) -> float:
-    """Raw SNR of a sensor without saturated channels; infinite for a signal without noise. [dB]"""
-    best = analysis.optimal_linear_snr_db
-    return math.inf if best is None else best
-
 
 _MOST_NAMED = 4  # sensors that a sentence names; of the others it says how many they are
 _UNSEEN_DELTA_E = 0.05  # a difference of color errors that one decimal does not show [Delta E*ab]
@@ -394,10 +67,10 @@ def _verdict(
 ) -> Verdict:
     check.one_of("terms of a comparison", equal, tuple(_TERMS))
     found = equal_color([one.point for one in analyses], prior=prior)
-    read = _read(analyses)
+    read = readable(analyses)
     winner, margin_db = found.winner, found.margin_db
     if reader == "machine":
-        best, margin_db = _first_for_a_machine(read)
+        best, margin_db = first_for_a_machine(read)
         names = {one.sensor.label: one.sensor.name for one in analyses}
         winner = None if best is None else names[best]
     return Verdict(
@@ -470,7 +143,7 @@ def verdict_sentences(
 def _told(
     analyses: Sequence[Analysis],
     found: EqualColor,
-    read: Sequence[_Read],
+    read: Sequence[Read],
     equal: str,
     reader: Reader,
     prior: str | Spectra,
@@ -480,7 +153,7 @@ def _told(
     able = [a for a in rest if color_snr_db(a)["Y"] is not None]
     lost = {one.sensor for one in found.standings if one.is_lost}
     noisy = [_too_noisy(a, prior) for a in able if a.sensor.label not in lost]
-    machine = [Told("machine", text) for text in _machine_sentences(analyses, read)]
+    machine = [Told("machine", text) for text in machine_sentences(analyses, read)]
     eye = _at_equal_color(found, {a.sensor.label for a in rest}) if len(rest) > 1 else []
     after = [
         *([Told("alone", _alone(able[0]))] if len(able) == 1 else []),
@@ -512,7 +185,7 @@ def _with_the_matrix(able: Sequence[Analysis], found: EqualColor) -> list[Told]:
     compared = {one.sensor for one in found.standings}
     rivals = [a for a in able if a.sensor.label in compared]
     rivals = rivals if len(rivals) > 1 else list(able)
-    best_raw = max(rivals, key=_raw_db)
+    best_raw = max(rivals, key=raw_db)
     best_color = max(rivals, key=_known_luminance_db)
     if abs(_known_luminance_db(best_raw) - _known_luminance_db(best_color)) < LEAST_TIE_DB:
         best_color = best_raw  # equal: the leader in raw is named once
@@ -553,8 +226,8 @@ def _first(found: EqualColor, tied: Sequence[Standing], behind: Sequence[Standin
     at = f"at equal color error ({found.at_color_error:.1f} ΔE*ab, noise-aware matrices)"
     if not tied:
         less = [
-            f"{one.behind_db:.1f} dB less than {one.sensor} ({_number(best.visual_noise)} against "
-            f"{_number(one.visual_noise)})"
+            f"{one.behind_db:.1f} dB less than {one.sensor} ({three_digits(best.visual_noise)} "
+            f"against {three_digits(one.visual_noise)})"
             for one in behind
         ]
         last = f"up to {behind[-1].behind_db:.1f} dB less than"
@@ -602,11 +275,13 @@ def _totals(found: EqualColor) -> str:
     if len(close) == 1:
         too = ", too" if best is found.standings[0] and not found.is_tie else ""
         leads = f"{best.sensor} leads{too}"
-    own = listed([_number(one.least_total_error) for one in close])
+    own = listed([three_digits(one.least_total_error) for one in close])
     behind = [
-        f"{_number(one.least_total_error)} for {one.sensor}" for one in others if one not in close
+        f"{three_digits(one.least_total_error)} for {one.sensor}"
+        for one in others
+        if one not in close
     ]
-    last = f"up to {_number(others[-1].least_total_error)} for" if others else ""
+    last = f"up to {three_digits(others[-1].least_total_error)} for" if others else ""
     against = f", against {listed(_shortened(behind, last))}" if behind else ""
     return (
         "With the matrices of least total color error as viewed (color and noise together), "
@@ -623,10 +298,10 @@ def _lost(found: EqualColor) -> list[str]:
     who = "each sensor" if every else listed([one.sensor for one in lost])
     one_has = "its least total color error as viewed is"
     have = one_has if len(lost) == 1 else "their least total color errors as viewed are"
-    totals = listed([_number(one.least_total_error) for one in lost])
+    totals = listed([three_digits(one.least_total_error) for one in lost])
     return [
         f"Color is lost in the noise of {who}: {have} {totals} ΔE*ab; a gray picture without noise "
-        f"has {_number(found.colorless_error)} ΔE*ab."
+        f"has {three_digits(found.colorless_error)} ΔE*ab."
     ]
 
 
@@ -679,14 +354,9 @@ def _another_order(found: EqualColor, able: Sequence[Analysis]) -> list[str]:
     if own is not None and other is not None and own > other:
         why = f", because its color error is larger ({own:.1f} against {other:.1f} ΔE*ab)"
     return [
-        f"With this matrix {least} has less visual noise than {first} ({_number(known[least])} "
-        f"against {_number(known[first])}){why}."
+        f"With this matrix {least} has less visual noise than {first} "
+        f"({three_digits(known[least])} against {three_digits(known[first])}){why}."
     ]
-
-
-def _number(value: float) -> str:
-    """Three digits, also where the last is 0."""
-    return f"{value:#.3g}".removesuffix(".") if 1e-3 <= value < 1000 else brief(value, 3)
 
 
 def _excluded(analysis: Analysis) -> str | None:
@@ -726,14 +396,14 @@ def _alone(analysis: Analysis) -> str:
 def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis) -> str:
     """SNR of Y of both with the matrix of the analyses, and their raw SNR."""
     first, second = (winner, rival) if best_raw is winner else (rival, winner)
-    raw_db = _raw_db(first) - _raw_db(second)
+    more_db = raw_db(first) - raw_db(second)
     luminances_db = [_known_luminance_db(one) for one in (first, second)]
     gap_db = luminances_db[0] - luminances_db[1]
     luminance = "the same SNR of Y as"
     if abs(gap_db) >= LEAST_TIE_DB:
         luminance = f"{_more(gap_db)} SNR of Y than"
-    raw = "the same raw SNR" if raw_db < LEAST_TIE_DB else f"{_more(raw_db)} raw SNR"
-    link = "but" if raw_db >= LEAST_TIE_DB > gap_db else "and"
+    raw = "the same raw SNR" if more_db < LEAST_TIE_DB else f"{_more(more_db)} raw SNR"
+    link = "but" if more_db >= LEAST_TIE_DB > gap_db else "and"
     patch = "a perfect white" if first.point.patch is None else first.point.patch_name
     return (
         f"With the matrix {first.matrix.made_by}, {first.sensor.label} has {luminance} "
@@ -865,7 +535,7 @@ def _error(analysis: Analysis) -> str:
 
 def _in_noise(analysis: Analysis) -> str:
     noise = visual_noise_of(analysis)
-    return "none" if noise is None else _number(noise)
+    return "none" if noise is None else three_digits(noise)
 
 
 def _patches(analysis: Analysis) -> str:
@@ -883,14 +553,16 @@ def _too_noisy(analysis: Analysis, prior: str | Spectra) -> str | None:
     if lost is None:
         return None
     better = (
-        f"; the matrix noise-aware={brief(lost.weight)} gives {_number(lost.least_total_error)}"
+        f"; the matrix noise-aware={brief(lost.weight)} gives "
+        f"{three_digits(lost.least_total_error)}"
         if lost.total_error - lost.least_total_error >= 1 and math.isfinite(lost.weight)
         else ""
     )
     return (
         f"With the matrix {analysis.matrix.made_by}, color is lost in the noise of "
-        f"{analysis.sensor.label}: the total color error as viewed is {_number(lost.total_error)} "
-        f"ΔE*ab; a gray picture without noise has {_number(lost.colorless_error)}{better}."
+        f"{analysis.sensor.label}: the total color error as viewed is "
+        f"{three_digits(lost.total_error)} ΔE*ab; a gray picture without noise has "
+        f"{three_digits(lost.colorless_error)}{better}."
     )
 
 
@@ -905,69 +577,3 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
         ),
         **drawn_numbers(shown, look),
     }
-
-
-def drawn_numbers(shown: Shown, look: Look) -> dict[str, Any]:
-    """The light, and settings and numbers of each sensor: of the head, what is quick."""
-    first = shown.analyses[0].scene
-    sensors = [_sensor(analysis) for analysis in shown.analyses]
-    level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
-    return {
-        "light": {"name": first.illuminant.name, **level},
-        "sensors": sensors,
-        **numbers_of(_rows_of_head(sensors)),
-        "table": _table(sensors),
-        "ranking": ranking(shown.analyses),
-    }
-
-
-def _rows_of_head(sensors: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
-    """A row per channel of a sensor, under a row of headings."""
-    head = ["sensor", "channel", "electrons of a white [e-]", "full well [e-]"]
-    rows = [
-        [one["name"], name, mean_e, one["full_well_e"], one["time_ms"], one["f_number"]]
-        for one in sensors
-        for name, mean_e in one["mean_e"].items()
-    ]
-    return [[*head, "exposure time [ms]", "f-number"], *rows]
-
-
-def sensor_values(sensor: Sensor) -> dict[str, Any]:
-    """Channels, origin and pixel of a sensor as plain data."""
-    names = ("pitch_um", "full_well_e", "read_noise_e")
-    pixel = asdict(sensor.pixel)
-    values = {"channels": list(sensor.names), "origin": sensor.origin, "pixel": pixel}
-    return values | {name: pixel[name] for name in names}
-
-
-def _sensor(analysis: Analysis) -> dict[str, Any]:
-    sensor, exposure = analysis.sensor, analysis.exposure
-    mean = zip(sensor.names, analysis.raw.mean.tolist(), strict=True)
-    return {
-        "name": sensor.label,
-        **sensor_values(sensor),
-        "time_ms": 1e3 * exposure.time_s,
-        "f_number": exposure.f_number,
-        "saturated": saturated_names(analysis),
-        "mean_e": dict(mean),
-        "notes": list(diagnosis(analysis)),
-    }
-
-
-def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
-    """Every setting of each sensor, and its electrons from a perfect white."""
-    channels = list(dict.fromkeys(name for one in sensors for name in one["channels"]))
-    pixel = ("curves", "pixel [µm]", "full well [e⁻]", "read noise [e⁻]")
-    units = [f"{name} [e⁻]" for name in channels]
-    rows = []
-    for one in sensors:
-        mean = [electrons(one["mean_e"][c]) if c in one["mean_e"] else NONE for c in channels]
-        full = ", ".join(one["saturated"]) or "none"
-        rows.append(
-            [
-                *(one["name"], one["origin"], brief(one["pitch_um"])),
-                *(decimal(one["full_well_e"], 0), brief(one["read_noise_e"])),
-                *(brief(one["time_ms"], 4), brief(one["f_number"]), *mean, full),
-            ]
-        )
-    return table(["sensor", *pixel, "time [ms]", "f-number", *units, "saturated"], rows)

@@ -53,6 +53,7 @@ from chromanoise.study import (
     MatrixResult,
     Step,
     Study,
+    Verdict,
     answers_of,
     conditions_of,
     default_of,
@@ -184,13 +185,13 @@ def analyze(
     (result,) = run(study, progress=progress_of_step).analyses.values()
     failed = failures_of(asked, lambda: [result.to_dict()])
     printed = json_target != "-"
-    sentences = result.verdict.sentences if printed else ()
+    verdict = result.verdict if printed else None
     write_outputs(
         (table, lambda: table_text(_table(result), str(table))),
         (json_target, lambda: json_text(result.to_dict())),
     )
-    if printed:
-        _print(result, sentences, whole_notes=whole_notes)
+    if verdict is not None:
+        _print(result, verdict, whole_notes=whole_notes)
     leave_if_failed(failed)
 
 
@@ -199,9 +200,10 @@ def _table(result: Analyses) -> Table:
     return result.pipeline_table() if result.outputs.pipeline.run else result.to_table()
 
 
-def _print(result: Analyses, sentences: Sequence[str], *, whole_notes: bool) -> None:
+def _print(result: Analyses, verdict: Verdict, *, whole_notes: bool) -> None:
+    """The answer, tables, and what else the verdict says."""
     analyses = result.analyses
-    print_lines(sentences)
+    print_lines(verdict.answer)
     terminal_tables.print_conditions(conditions(result.points))
     terminal_tables.print_analyses(analyses, whole_notes=whole_notes)
     if len(analyses) > MOST_PAIRS_SENSORS:
@@ -211,6 +213,7 @@ def _print(result: Analyses, sentences: Sequence[str], *, whole_notes: bool) -> 
     readings = [one.machine for one in result.outcomes if one.machine is not None]
     if readings:
         print_machine_readings(readings)
+    print_lines(verdict.details)
 
 
 _VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first", "last"))

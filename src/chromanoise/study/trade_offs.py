@@ -6,7 +6,7 @@ the color errors are equal: at the least error that all sensors reach.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from itertools import combinations, groupby
@@ -422,6 +422,10 @@ class EqualColor:
 
 
 Reader = Literal["eye", "machine"]
+_ANSWERS: Mapping[Reader, frozenset[str]] = {  # what the sentences for this reader are about
+    "eye": frozenset({"winner", "excluded", "why", "total", "lost", "turns", "matrix", "alone"}),
+    "machine": frozenset({"machine", "excluded", "alone"}),
+}
 
 
 class Told(NamedTuple):
@@ -492,6 +496,19 @@ class Verdict:
     def sentences(self) -> tuple[str, ...]:
         """The texts of ``told``."""
         return tuple(one.text for one in self.told)
+
+    @property
+    def answer(self) -> tuple[str, ...]:
+        """The sentences for this reader."""
+        return tuple(one.text for one in self.told if self._answers(one))
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """The others: those for another reader, and why the matrix costs what it does."""
+        return tuple(one.text for one in self.told if not self._answers(one))
+
+    def _answers(self, one: Told) -> bool:
+        return one is self.told[0] or one.about in _ANSWERS[self.reader]
 
 
 def trade_off(
