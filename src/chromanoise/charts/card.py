@@ -27,6 +27,7 @@ from chromanoise.base import Array, InputError, UInt8, __version__, check, write
 from chromanoise.charts.budget_chart import budget_of
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.color_checker import drawn_chart
+from chromanoise.charts.description import Chart
 from chromanoise.charts.figure_marks import draw_panel, draw_waterfalls, rows_of_waterfalls
 from chromanoise.charts.figure_style import (
     QUIET,
@@ -39,14 +40,14 @@ from chromanoise.charts.figure_style import (
     write_sensor,
 )
 from chromanoise.charts.levels import curves_chart, drawn_lux
-from chromanoise.charts.numbers import NONE, brief, decimal, listed
+from chromanoise.charts.numbers import NONE, brief, decimal, listed, signed
 from chromanoise.charts.result_figures import draw_picture
 from chromanoise.charts.sensitivities import sensitivities_chart
 from chromanoise.charts.verdicts import matrices_in_words, verdict_of
 from chromanoise.imaging import Work, camera_for
 from chromanoise.imaging.denoising import captured_with
 from chromanoise.noise import conditions, level_in_words, saturated
-from chromanoise.spectra import checker_cube
+from chromanoise.spectra import checker_cube, is_extension
 from chromanoise.study import (
     QUANTITIES,
     Analysis,
@@ -77,7 +78,7 @@ _EDGE_IN = 0.14
 _PLACES = 5  # of a place, as a share of the figure
 _BEYOND = 3.0  # of the highest saturation, to the end of the axis
 _MOST_BUDGETS = 3
-_SHOWN = 2  # pictures, and budgets of more sensors than three
+_SHOWN = 2  # pictures, budgets of more sensors than three, and most budgets with gains
 _CROP = np.s_[152:316, 0:240]  # blue, green and red, and white and two grays below them
 _NAME_LETTERS = 22
 _LETTER_IN, _AXIS_IN = 0.0095, 0.35  # of a title per pt, and beside the axes
@@ -137,7 +138,7 @@ class Card:
             )
             if point.sensor.origin in ("reconstruction", "model"):
                 text += f", curves: {point.sensor.origin}"
-            text += "".join(f", {one}" for one in point.sensor.notes if " beyond " in one)
+            text += "".join(f", {one}" for one in point.sensor.notes if is_extension(one))
             pixels.setdefault(text, []).append(point.sensor.label)
         alike = len(pixels) == 1
         each = [f"{'pixel' if alike else f'{listed(who)}:'} {text}" for text, who in pixels.items()]
@@ -483,6 +484,7 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
     of = card.of
     every = len(of.analyses) <= _MOST_BUDGETS
     chosen = range(len(of.analyses)) if every else card.shown
+    has_room = len(of.analyses) <= _SHOWN
     chart = budget_of(of.analyses, "Y")
     drawn = [i for i in chosen if chart.panels[i].marks]
     rows = rows_of_waterfalls(chart, drawn)
@@ -496,10 +498,22 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
             low, high = ax.get_xlim()
             ax.set_xlim(low, low + (1.05 + 0.06 * len(chosen)) * (high - low))
             ax.set_xlabel("")
+            if has_room:
+                _write_gains(chart, i, ax, rows)
         else:
             draw_panel(chart, i, ax).set_axis_off()
     who = "" if every else _some(card)
-    _heading(part, f"Budget of the SNR of Y [dB]{who}")
+    gains = "; right: gain if this one cause is removed" if has_room else ""
+    _heading(part, f"Budget of the SNR of Y [dB]{gains}{who}")
+
+
+def _write_gains(chart: Chart, i: int, ax: Axes, rows: Sequence[str]) -> None:
+    """At the right edge of a waterfall: what the removal of each cause gains, where that shows."""
+    place: dict[str, Any] = {"transform": ax.get_yaxis_transform(), "va": "center_baseline"}
+    for sensor, step, gain in zip(*(chart.columns[k].values for k in (0, 1, 3)), strict=True):
+        text = "" if gain is None else signed(float(gain))
+        if sensor == chart.sensors[i] and text.strip("0."):
+            ax.text(1.0, rows.index(str(step)), text, ha="right", **place)
 
 
 def _some(card: Card) -> str:

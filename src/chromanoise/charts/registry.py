@@ -57,7 +57,8 @@ SECTIONS: tuple[Section, ...] = (
     Section(
         part="head",
         heading="Sensors",
-        shows="The rank follows the SNR of Y; the electrons are those of a perfect white.",
+        shows="Ranked by the SNR of Y with the chosen matrix; the verdict compares at equal color "
+        "error. The electrons are those of a perfect white.",
         explanations=("electrons", "color", "price"),
         is_broad=True,
     ),

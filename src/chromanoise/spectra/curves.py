@@ -246,6 +246,11 @@ def interpolation_matrix(
     return matrix, notes
 
 
+def is_extension(note: str) -> bool:
+    """Whether a note of `interpolation_matrix` says how a curve continues beyond its ends."""
+    return any(f": {one} beyond " in note for one in get_args(Beyond))
+
+
 def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:
     """Resample like `on_grid`, but average a table that is finer than the grid over grid cells.
 
