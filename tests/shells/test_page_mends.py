@@ -8,7 +8,6 @@ from shells.browser import (
     EVERYTHING,
     answer_to,
     asked_last,
-    at_rest,
     comes,
     held,
     let_go,
@@ -358,85 +357,6 @@ def test_the_page_shows_the_sentence_of_the_server_as_it_is(page):
     alert = brought(page, "two.npz", "anything").get_by_role("alert")
     alert.wait_for()
     assert alert.inner_text() == sentence
-
-
-def test_an_answer_that_comes_after_a_newer_one_is_not_shown(window):
-    page = window({"study": {"sensors": PAIR}, "look": {"auto_exposure": True}})
-    numbers = page.locator("#electrons")
-    before = numbers.inner_text()
-    waiting = held(page, lambda one: one.url.endswith("/api/answer") and "numbers" in one.post_data)
-    page.get_by_label("Share of full well", exact=True).focus()
-    for count in (1, 2):  # the second question leaves before the first is answered
-        page.keyboard.press("Shift+ArrowDown")
-        comes(page, waiting, count)
-    older, newer = waiting[0], waiting[1]
-    let_go(waiting[1:])
-    until(page, "(b) => document.querySelector('#electrons').innerText !== b", before)
-    last = numbers.inner_text()
-    data = f"{newer[1].json()['parts']['numbers']['sensors'][0]['mean_e']['G']:.4g}"
-    assert data in last
-    older[0].fulfill(response=older[1])
-    page.wait_for_timeout(300)
-    assert numbers.inner_text() == last
-
-
-FILTER = "[data-where='sensors.0.filter']"
-
-
-def asks_of(word, other="othername"):
-    def is_it(request):
-        data = request.post_data or ""
-        return request.url.endswith("answer") and word in data and other not in data
-
-    return is_it
-
-
-def test_a_refusal_that_comes_after_a_newer_one_is_not_told(page):
-    waiting = held(page, asks_of("nosuchone"))
-    field, values = page.locator(FILTER), page.locator(".row", has=page.locator(FILTER))
-    field.fill("nosuchone")
-    field.press("Enter")
-    comes(page, waiting)
-    field.fill("othername")
-    field.press("Enter")
-    values.locator(".fault", has_text="othername").wait_for()
-    let_go(waiting)
-    page.wait_for_timeout(300)
-    assert "othername" in values.locator(".fault").inner_text()
-
-
-def test_an_answer_that_comes_after_a_newer_refusal_leaves_no_drawing_waiting(page):
-    waiting = held(page, asks_of('"f_number":2.8'))
-    field = page.get_by_label("f-number, as a number")
-    field.fill("2.8")
-    field.press("Enter")
-    comes(page, waiting)
-    before = page.locator("#electrons").inner_text()
-    page.locator(FILTER).fill("othername")
-    page.locator(FILTER).press("Enter")
-    page.locator(".fault", has_text="othername").wait_for()
-    let_go(waiting)
-    until(page, "(b) => document.querySelector('#electrons').innerText !== b", before)
-    at_rest(page)
-
-
-def test_of_two_questions_the_older_may_be_lost_once_the_newer_is_answered(page, watch):
-    first = iter(range(2))
-    waiting = held(
-        page, lambda one: one.url.endswith("/api/answer") and next(first, None) is not None
-    )
-    page.get_by_label("Light level", exact=True).focus()
-    for count in (1, 2):
-        page.keyboard.press("Shift+ArrowUp")
-        comes(page, waiting, count)
-    older = waiting.pop(0)[0]
-    before = page.locator("#electrons").inner_text()
-    let_go(waiting)
-    until(page, "(b) => document.querySelector('#electrons').innerText !== b", before)
-    older.fulfill(status=503, json={})
-    page.locator("#lost", has_text="busy").wait_for()
-    page.locator("#lost").wait_for(state="hidden")
-    at_rest(page)  # what nobody sees has been asked for, too
 
 
 def test_a_sensor_that_stands_there_twice_has_two_pictures_of_two_names(window):

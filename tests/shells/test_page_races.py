@@ -1,0 +1,88 @@
+"""Answers, refusals and losses in every order: the page against a model of what it shows."""
+
+from itertools import product
+
+import pytest
+
+from shells.browser import at_rest, comes, until
+
+MOST_IN_FLIGHT = 2
+SEEN_MS = 60
+LEVEL = "Light level in lx"
+SHOWN = """([hash, refused]) => document.documentElement.dataset.hash === hash
+    && document.querySelector("#faults").hidden !== refused"""
+
+
+class Races:
+    """Acts of a person, of the server and of the network, and what the page must show then.
+
+    The replies with numbers are kept back, the oldest question first, until they come or are lost.
+    """
+
+    def __init__(self, page):
+        self.page = page
+        self.holds, self.waiting = True, []
+        self.newest_answer = self.newest_refusal = self.asked = 0
+        self.hash = page.evaluate("document.documentElement.dataset.hash")
+        page.route("**/api/answer", self._keep)
+
+    def _keep(self, route):
+        if self.holds and "numbers" in route.request.post_data_json["want"]:
+            self.waiting.append((route, route.fetch()))
+        else:
+            route.fallback()
+
+    def asks(self, sign="0."):
+        expected = min(len(self.waiting) + 1, MOST_IN_FLIGHT)
+        self.asked += 1
+        self.page.get_by_label(LEVEL).fill(f"{sign}{self.asked}")
+        self.page.get_by_label(LEVEL).press("Enter")
+        comes(self.page, self.waiting, expected)
+
+    def asks_what_is_refused(self):
+        self.asks("-")
+
+    def a_reply_comes(self, which):
+        route, reply = self.waiting.pop(which)
+        number, told = route.request.post_data_json["number"], reply.json()
+        if "faults" in told:
+            self.newest_refusal = max(number, self.newest_refusal)
+        elif number > self.newest_answer:
+            self.newest_answer, self.hash = number, told["hash"]
+        route.fulfill(response=reply)
+        self.page.wait_for_timeout(SEEN_MS)  # what must not be shown has had its time
+        until(self.page, SHOWN, [self.hash, self.newest_refusal > self.newest_answer])
+
+    def a_reply_is_lost(self, which):
+        self.waiting.pop(which)[0].fulfill(status=503, json={})
+        self.page.locator("#lost", has_text="busy").wait_for()
+
+    def ends(self, *, refused):
+        """What still waits, comes; what was asked last is shown, or its refusal, and no loss."""
+        self.holds = False
+        self.page.locator("#lost").wait_for(state="hidden")
+        self.page.locator("#faults").wait_for(state="visible" if refused else "hidden")
+        at_rest(self.page)
+        verdict = self.page.locator("#verdict").inner_text()
+        assert refused or verdict.startswith(f"At 0.{self.asked} lx ")
+        self.page.unroute("**/api/answer")
+
+
+def test_whatever_the_order_of_replies_the_newest_is_shown_and_none_keeps_the_page_waiting(
+    window, watch
+):
+    watch.forgive("status of 400")
+    page = window({"study": {"sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb"}]}})
+    asking, coming = ("asks", "asks_what_is_refused"), ("a_reply_comes", "a_reply_is_lost")
+    orders = ((0, 0), (-1, 0))
+    for one, two, third, fourth, order in product(asking, asking, coming, coming, orders):
+        races = Races(page)
+        try:
+            getattr(races, one)()
+            getattr(races, two)()
+            assert len(races.waiting) == MOST_IN_FLIGHT
+            getattr(races, third)(order[0])
+            getattr(races, fourth)(order[1])
+            races.ends(refused=two == "asks_what_is_refused")
+        except Exception as error:
+            pytest.fail(f"{one}, {two}, {third}, {fourth} in order {order}: {error}")
