@@ -103,16 +103,20 @@ def bursts(page: Any) -> list[Line]:
         distinct, ends = distinct_in_burst(page, between_ms)
         what = f"distinct results of {BURST} presses, {between_ms} ms between them"
         lines.append(Line(what, 40, distinct, "", at_least=True))
-        lines.append(Line("of which the last is that of its end", 1, ends, "", at_least=True))
+        lines.append(Line("the last painted is that of the last press", 1, ends, "", at_least=True))
     page.keyboard.press("Home")
     page.wait_for_timeout(2000)
-    distinct, _ = distinct_in_burst(page, BETWEEN_MS[-1], by_itself=True)
-    what = f"distinct results of {BURST} steps by a timer of the page, {BETWEEN_MS[-1]} ms"
+    distinct, ends = distinct_in_burst(page, BETWEEN_MS[-1], from_timer=True)
+    pace = f"{BETWEEN_MS[-1]} ms between them"
+    what = f"distinct results of {BURST} steps from a timer in the page, {pace}"
     lines.append(Line(what, 40, distinct, "", at_least=True))
+    lines.append(Line("the last painted is that of the last step", 1, ends, "", at_least=True))
     return lines
 
 
-def distinct_in_burst(page: Any, between_ms: float, *, by_itself: bool = False) -> tuple[int, bool]:
+def distinct_in_burst(
+    page: Any, between_ms: float, *, from_timer: bool = False
+) -> tuple[int, bool]:
     """How many different results a burst paints, and whether the last is that of its end."""
     page.evaluate(
         """() => {
@@ -124,8 +128,8 @@ def distinct_in_burst(page: Any, between_ms: float, *, by_itself: bool = False) 
             window.watching.observe(document.documentElement, { attributes: true });
         }"""
     )
-    if by_itself:
-        _steps_by_itself(page, between_ms)
+    if from_timer:
+        _step_from_timer(page, between_ms)
     else:
         due = time.perf_counter()
         for _ in range(BURST):
@@ -143,8 +147,8 @@ def distinct_in_burst(page: Any, between_ms: float, *, by_itself: bool = False) 
     return page.evaluate("window.seen.size"), ends
 
 
-def _steps_by_itself(page: Any, between_ms: float) -> None:
-    """Steps of the slider that a timer of the page makes: no driver takes processor time."""
+def _step_from_timer(page: Any, between_ms: float) -> None:
+    """Step the slider from a timer in the page, so that no driver takes processor time."""
     page.evaluate(
         """([steps, between]) => new Promise((done) => {
             const track = document.querySelector("#controls .track");
@@ -242,8 +246,8 @@ Made by `make bench` on {datetime.datetime.now(datetime.UTC):%Y-%m-%d}: {_proces
 * Key press to painted: from the browser's time stamp of the key to the frame with the new numbers
   and drawings. Each press waits for the reply to the last one.
 * In a burst, keys are pressed without waiting for replies, and only the latest state counts: every
-  33 ms (a held key), every 20 ms, and every 16 ms (about once per frame of the screen). The program
-  that presses them shares the cores with browser and server; a timer inside the page does not.
+  33 ms (a held key), every 20 ms, and every 16 ms (about once per frame of the screen). The driver
+  that presses them takes processor time from browser and server; a timer in the page needs none.
 * The first paint and the bytes are medians of {STARTS} fresh windows with an empty cache; the
   server starts with warm files.
 """

@@ -1,4 +1,4 @@
-"""Who has the least visual noise at equal color error, over a sweep."""
+"""Which sensor has the least visual noise at equal color error, over a sweep."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ def points_of(*sensors):
 
 @pytest.fixture(scope="module")
 def quiet_and_strong():
-    """One sensor reads out without noise, the other one sees four times the light."""
+    """One sensor has 0.5 e- of read noise; the other has 40 e- and four times the light."""
     base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
     quiet = replace(base, name="quiet", qe=base.qe / 4, pixel=replace(base.pixel, read_noise_e=0.5))
     strong = replace(base, name="strong", pixel=replace(base.pixel, read_noise_e=40.0))
@@ -44,9 +44,8 @@ def test_ranges_change_where_the_verdict_turns_and_end_with_saturation(quiet_and
     assert all(one.margin_db[0] <= one.margin_db[1] for one in ranges)
 
 
-def test_a_margin_is_that_of_one_electron_more_or_less(quiet_and_strong):
-    # without photons worth mentioning the noise of both is that of their readout: 40 e- at four
-    # times the light of 0.5 e-
+def test_in_the_dark_the_margin_is_the_ratio_of_read_noise_to_light(quiet_and_strong):
+    # read noise dominates: 40 e- with four times the light, against 0.5 e-
     (only,) = equal_color_ranges(quiet_and_strong, SWEEPS["lux"], np.array([1e-4]))
     assert only.margin_db == pytest.approx(2 * (20 * np.log10(40 / 0.5 / 4),), abs=0.1)
 
@@ -55,7 +54,8 @@ def test_twins_never_lead():
     base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
     twins = points_of(base, replace(base, name="twin"))
     (tie,) = equal_color_ranges(twins, SWEEPS["lux"], LEVELS_LUX[:3])
-    assert (tie.winner, tie.sensor, tie.first, tie.last) == (None, None, *LEVELS_LUX[[0, 2]])
+    assert (tie.outcome, tie.winner, tie.sensor) == ("tie", None, None)
+    assert (tie.first, tie.last) == tuple(LEVELS_LUX[[0, 2]])
 
 
 def test_raw_values_and_a_sensor_alone_have_no_color_to_compare():

@@ -47,7 +47,7 @@ from chromanoise.charts.verdicts import matrices_in_words, verdict_of
 from chromanoise.imaging import Work, camera_for
 from chromanoise.imaging.denoising import captured_with
 from chromanoise.noise import conditions, level_in_words, saturated
-from chromanoise.spectra import checker_cube, is_extension
+from chromanoise.spectra import checker_cube, is_extrapolation_note
 from chromanoise.study import (
     QUANTITIES,
     Analysis,
@@ -78,7 +78,8 @@ _EDGE_IN = 0.14
 _PLACES = 5  # of a place, as a share of the figure
 _BEYOND = 3.0  # of the highest saturation, to the end of the axis
 _MOST_BUDGETS = 3
-_SHOWN = 2  # pictures, budgets of more sensors than three, and most budgets with gains
+_SHOWN = 2  # sensors with a picture; of more than three, also with a budget
+_MOST_WITH_GAINS = 2
 _CROP = np.s_[152:316, 0:240]  # blue, green and red, and white and two grays below them
 _NAME_LETTERS = 22
 _LETTER_IN, _AXIS_IN = 0.0095, 0.35  # of a title per pt, and beside the axes
@@ -138,7 +139,7 @@ class Card:
             )
             if point.sensor.origin in ("reconstruction", "model"):
                 text += f", curves: {point.sensor.origin}"
-            text += "".join(f", {one}" for one in point.sensor.notes if is_extension(one))
+            text += "".join(f", {one}" for one in point.sensor.notes if is_extrapolation_note(one))
             pixels.setdefault(text, []).append(point.sensor.label)
         alike = len(pixels) == 1
         each = [f"{'pixel' if alike else f'{listed(who)}:'} {text}" for text, who in pixels.items()]
@@ -484,7 +485,7 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
     of = card.of
     every = len(of.analyses) <= _MOST_BUDGETS
     chosen = range(len(of.analyses)) if every else card.shown
-    has_room = len(of.analyses) <= _SHOWN
+    has_room = len(of.analyses) <= _MOST_WITH_GAINS
     chart = budget_of(of.analyses, "Y")
     drawn = [i for i in chosen if chart.panels[i].marks]
     rows = rows_of_waterfalls(chart, drawn)
@@ -503,12 +504,12 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
         else:
             draw_panel(chart, i, ax).set_axis_off()
     who = "" if every else _some(card)
-    gains = "; right: gain if this one cause is removed" if has_room else ""
-    _heading(part, f"Budget of the SNR of Y [dB]{gains}{who}")
+    gains = "; right: gain from removing that cause alone" if has_room else ""
+    _heading(part, f"SNR budget of Y [dB]{gains}{who}")
 
 
 def _write_gains(chart: Chart, i: int, ax: Axes, rows: Sequence[str]) -> None:
-    """At the right edge of a waterfall: what the removal of each cause gains, where that shows."""
+    """The gain from removing each cause, at the right edge, unless it rounds to 0."""
     place: dict[str, Any] = {"transform": ax.get_yaxis_transform(), "va": "center_baseline"}
     for sensor, step, gain in zip(*(chart.columns[k].values for k in (0, 1, 3)), strict=True):
         text = "" if gain is None else signed(float(gain))

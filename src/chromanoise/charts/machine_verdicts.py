@@ -1,4 +1,4 @@
-"""What a machine that reads raw values tells of each sensor: sentences and tables."""
+"""How well a machine that reads raw values tells patches apart: sentences and tables."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -24,12 +24,12 @@ from chromanoise.study import (
 _TIE = 0.005  # relative difference that is no lead
 
 _Labeled = tuple[str, RawOutcome]
-Read = tuple[str, Mapping[str, RawOutcome]]
+LabeledOutcomes = tuple[str, Mapping[str, RawOutcome]]
 _PairOf = Callable[[RawOutcome], PairOutcome]
 
 
 def machine_sentences(
-    analyses: Sequence[Analysis], found: Sequence[Read] | None = None
+    analyses: Sequence[Analysis], found: Sequence[LabeledOutcomes] | None = None
 ) -> list[str]:
     """Distances of the pairs of patches in raw values: median and worst, with their probability.
 
@@ -41,9 +41,9 @@ def machine_sentences(
     analyses
         Analyses under one light.
     found
-        What `readable` gives of them; ``None`` to compute it.
+        What `labeled_outcomes` gives of them; ``None`` to compute it.
     """
-    found = readable(analyses) if found is None else found
+    found = labeled_outcomes(analyses) if found is None else found
     if not found:
         return []
     point = analyses[0].point
@@ -59,15 +59,15 @@ def machine_sentences(
     ]
 
 
-def readable(analyses: Sequence[Analysis]) -> list[Read]:
-    """Of the analyses that a machine can read: label and outcomes."""
+def labeled_outcomes(analyses: Sequence[Analysis]) -> list[LabeledOutcomes]:
+    """Label and raw outcomes of each analysis without a saturated patch."""
     if len(chart_on(analyses[0].sensor.grid, analyses[0].chart).names) < 2:
         return []
     outcomes = [(one.sensor.label, raw_outcomes(one)) for one in analyses]
     return [(label, both) for label, both in outcomes if both is not None]
 
 
-def first_for_a_machine(found: Sequence[Read]) -> tuple[str | None, float | None]:
+def best_for_a_machine(found: Sequence[LabeledOutcomes]) -> tuple[str | None, float | None]:
     """The sensor of the largest median distance, ``None`` for a tie, and its lead. [dB]"""
     if len(found) < 2:
         return None, None
@@ -95,9 +95,9 @@ def _compared(found: Sequence[_Labeled], pair: _PairOf) -> str:
     ranked = sorted(found, key=lambda one: -pair(one[1]).distance)
     (best, of_best), *others = [(label, pair(one)) for label, one in ranked]
     if not others:
-        return f"{best} has the distance {_text(of_best)}"
+        return f"{best} has a distance of {_text(of_best)}"
     if of_best.near_chance:
-        return f"every sensor has at most the distance {_text(of_best)}"
+        return f"no sensor exceeds a distance of {_text(of_best)}"
     second, of_second = others[0]
     tied = of_best.distance - of_second.distance <= _TIE * of_best.distance
     lead = f"{best} and {second} are equal" if tied else f"{best} is better"

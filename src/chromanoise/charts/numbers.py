@@ -104,5 +104,5 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, Any]:
 
 
 def three_digits(value: float) -> str:
-    """Three digits, also where the last is 0."""
-    return f"{value:#.3g}".removesuffix(".") if 1e-3 <= value < 1000 else brief(value, 3)
+    """Three significant digits, zeros at the end kept (6.50)."""
+    return f"{value:#.3g}".removesuffix(".") if 1e-3 <= value < 999.5 else brief(value, 3)

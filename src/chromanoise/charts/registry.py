@@ -32,7 +32,7 @@ class Section:
     part
         A name from `chromanoise.charts.DRAWINGS`, or ``picture``.
     shows
-        What it shows, in one sentence.
+        What it shows, in one to three sentences.
     explanations
         Keys of `chromanoise.charts.explanations.EXPLANATIONS`, for its ``?``.
     is_broad
@@ -147,7 +147,7 @@ DRAWINGS: Mapping[str, Callable[[Shown, Look], Chart | dict[str, Any]]] = {
     "numbers": drawn_numbers,
     "map": drawn_map,
 }
-"""The same, the head without its verdict, and the heat map of a sweep of two parameters."""
+"""`PARTS`, the head without its verdict, and the heat map of a sweep of two parameters."""
 
 
 def drawing(part: str, of: Shown, look: Look | None = None) -> Any:

@@ -12,10 +12,10 @@ from chromanoise.base import check
 from chromanoise.charts.budget_chart import cause_label
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.machine_verdicts import (
-    Read,
-    first_for_a_machine,
+    LabeledOutcomes,
+    best_for_a_machine,
+    labeled_outcomes,
     machine_sentences,
-    readable,
 )
 from chromanoise.charts.numbers import brief, decimal, listed, signed, three_digits
 from chromanoise.charts.sensor_table import RAW_SNR, drawn_numbers, raw_db
@@ -67,10 +67,10 @@ def _verdict(
 ) -> Verdict:
     check.one_of("terms of a comparison", equal, tuple(_TERMS))
     found = equal_color([one.point for one in analyses], prior=prior)
-    read = readable(analyses)
+    read = labeled_outcomes(analyses)
     winner, margin_db = found.winner, found.margin_db
     if reader == "machine":
-        best, margin_db = first_for_a_machine(read)
+        best, margin_db = best_for_a_machine(read)
         names = {one.sensor.label: one.sensor.name for one in analyses}
         winner = None if best is None else names[best]
     return Verdict(
@@ -143,7 +143,7 @@ def verdict_sentences(
 def _told(
     analyses: Sequence[Analysis],
     found: EqualColor,
-    read: Sequence[Read],
+    read: Sequence[LabeledOutcomes],
     equal: str,
     reader: Reader,
     prior: str | Spectra,
@@ -273,8 +273,8 @@ def _totals(found: EqualColor) -> str:
     close = [best, *(one for one in others if one.least_total_error < near)]
     leads = f"{listed([one.sensor for one in close])} are about equal"
     if len(close) == 1:
-        too = ", too" if best is found.standings[0] and not found.is_tie else ""
-        leads = f"{best.sensor} leads{too}"
+        also = "also " if best is found.standings[0] and not found.is_tie else ""
+        leads = f"{best.sensor} {also}leads"
     own = listed([three_digits(one.least_total_error) for one in close])
     behind = [
         f"{three_digits(one.least_total_error)} for {one.sensor}"
@@ -314,7 +314,7 @@ def _turns(found: EqualColor) -> list[str]:
             return []
         light = f"at light levels from {_lux(low_lux)} to {_lux(high_lux)}, or "
         return [
-            f"No other sensor leads clearly {light if high_lux > low_lux else ''}at color errors "
+            f"No other sensor clearly leads {light if high_lux > low_lux else ''}at color errors "
             f"up to {most:.1f} ΔE*ab."
         ]
     sentences = []

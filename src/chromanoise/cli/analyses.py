@@ -272,7 +272,10 @@ def compare(
     copy_as: str | None,
     **settings: Any,
 ) -> None:
-    """Compare SENSORS over a range of one parameter: SNR, color error, crossovers.
+    """Compare SENSORS over a range of one parameter: noise, SNR, color error, crossovers.
+
+    The first sentence says which sensor has the least visual noise at equal color error, compared
+    at up to 9 values of the range; it is there for 2 to 20 sensors.
 
     The exposure time is solved once, for the settings that stay fixed, so that the brightest
     channel of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.

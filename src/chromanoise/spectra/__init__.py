@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         Spectra as Spectra,
         are_small_negatives,
         interpolation_matrix as interpolation_matrix,
-        is_extension,
+        is_extrapolation_note,
         means_on_grid as means_on_grid,
         on_grid as on_grid,
         photons_per_unit,

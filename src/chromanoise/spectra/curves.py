@@ -246,8 +246,8 @@ def interpolation_matrix(
     return matrix, notes
 
 
-def is_extension(note: str) -> bool:
-    """Whether a note of `interpolation_matrix` says how a curve continues beyond its ends."""
+def is_extrapolation_note(note: str) -> bool:
+    """Whether a note of `interpolation_matrix` says how a curve is extrapolated."""
     return any(f": {one} beyond " in note for one in get_args(Beyond))
 
 

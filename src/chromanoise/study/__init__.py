@@ -126,7 +126,7 @@ if TYPE_CHECKING:
     from chromanoise.study.equal_color_sweeps import (
         EqualColorRange,
         equal_color_ranges,
-        range_sentence,
+        range_sentences,
     )
     from chromanoise.study.fail_conditions import (
         Condition as Condition,

@@ -1,4 +1,4 @@
-"""A quantity over two parameters: maps of each sensor, and lines of equal sensors."""
+"""A quantity over two parameters: a map per sensor, and lines where two are equally good."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -86,7 +86,7 @@ def mapped(
 
     Notes
     -----
-    Each row is a sweep of its own, with the second value kept. A sweep that replaces the light
+    Each row is a sweep of its own, at a fixed second value. A sweep that replaces the light
     comes before one that adds to it.
     """
     if sweep.name == second.name:

@@ -255,14 +255,14 @@ def crossover_sentence(crossover: Crossover) -> str:
         leader, other = second, first
     if crossover.better_first is None:
         return (
-            f"With the {crossover.matrix} matrix {first} and {second} have the same "
+            f"With the {crossover.matrix} matrix, {first} and {second} have the same "
             f"{crossover.quantity.what} at every {crossover.sweep.what} from {span}."
         )
     better = "higher" if crossover.quantity.more_is_better else "lower"
     of_raw = crossover.quantity.of_raw
-    leads = f"{leader} has the {better} {crossover.quantity.what}"
+    leads = f"{leader} has a {better} {crossover.quantity.what}"
     if not of_raw:
-        leads = f"With the {crossover.matrix} matrix {leads}"
+        leads = f"With the {crossover.matrix} matrix, {leads}"
     if not crossover.at:
         return f"{leads} than {other} at every {crossover.sweep.what} from {span}."
     values = [value_in_words(value, 3 if value < 100 else 4) for value in crossover.at]

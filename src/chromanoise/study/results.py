@@ -80,7 +80,7 @@ from chromanoise.study.color_noise import (
     visual_noise_of,
     white_snr_db,
 )
-from chromanoise.study.equal_color_sweeps import EqualColorRange, range_sentence
+from chromanoise.study.equal_color_sweeps import EqualColorRange, range_sentences
 from chromanoise.study.maps import CrossoverLine, QuantityMap, best_of, by_matrix
 from chromanoise.study.merits import Merits, merits_of
 from chromanoise.study.optima import (
@@ -883,7 +883,7 @@ class Comparison(Result):
     optima
         At which value of the sweep each sensor is best, per matrix, and between which values.
     equal_color
-        Who has the least visual noise at equal color error, and where.
+        Ranges of the sweep, each with the sensor of least visual noise at equal color error.
     equal, prior
         The exposure rule, and the training set of trained matrices.
     """
@@ -931,7 +931,7 @@ class Comparison(Result):
 
     @property
     def shown_sentences(self) -> list[str]:
-        """Who leads at equal color error, the optimum of each sensor, `shown_crossovers`.
+        """Which sensor leads at equal color error, the optimum of each sensor, `shown_crossovers`.
 
         Of up to three sensors, the matrices of each if several; of more, the leaders.
         """
@@ -940,7 +940,7 @@ class Comparison(Result):
         first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
         best = optima_sentences(self.optima)
         crossed = [crossover_sentence(one) for one in self.shown_crossovers]
-        return [*map(range_sentence, self.equal_color), *best, *first, *crossed]
+        return [*range_sentences(self.equal_color), *best, *first, *crossed]
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""

@@ -423,7 +423,9 @@ class EqualColor:
 
 Reader = Literal["eye", "machine"]
 _ANSWERS: Mapping[Reader, frozenset[str]] = {  # what the sentences for this reader are about
-    "eye": frozenset({"winner", "excluded", "why", "total", "lost", "turns", "matrix", "alone"}),
+    "eye": frozenset(
+        {"winner", "excluded", "why", "total", "lost", "turns", "matrix", "matrix order", "alone"}
+    ),
     "machine": frozenset({"machine", "excluded", "alone"}),
 }
 
@@ -504,7 +506,7 @@ class Verdict:
 
     @property
     def details(self) -> tuple[str, ...]:
-        """The others: those for another reader, and why the matrix costs what it does."""
+        """The others: for the other reader, and what the matrix of the analyses costs and why."""
         return tuple(one.text for one in self.told if not self._answers(one))
 
     def _answers(self, one: Told) -> bool:

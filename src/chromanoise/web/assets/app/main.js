@@ -37,7 +37,7 @@ const PAPER_PX = 976;
 
 /** A verdict takes longer than all numbers: it is asked for after a pause so long, in ms ... */
 const PAUSE_MS = 60;
-/** ... and so often while something moves: a sentence that changes faster cannot be read. */
+/** ... and at this interval while something moves: a sentence that changes faster cannot be read. */
 const VERDICT_MS = 1000;
 
 /** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
@@ -50,7 +50,7 @@ const root = document.documentElement;
  * @property {number} version of the study
  * @property {number} headVersion of the numbers that are shown
  * @property {number} verdictVersion of the verdict that is shown
- * @property {number} judged when that was shown, or a motion began after it [ms]
+ * @property {number} judged when it was last shown or, if later, when the current motion began [ms]
  * @property {number} moved when the study last changed [ms]
  * @property {number | undefined} pause
  * @property {boolean} calm whether nothing moves
@@ -58,7 +58,7 @@ const root = document.documentElement;
  * @property {number} failedVersion
  * @property {number | null} level
  * @property {number | undefined} idle
- * @property {number | undefined} frame in which the controls will be shown
+ * @property {number | undefined} frame that will redraw the controls
  * @property {Head | null} head
  * @property {boolean} printing
  * @property {(state: State, head: Head | null) => void} showControls
