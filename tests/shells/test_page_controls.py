@@ -98,6 +98,44 @@ def test_a_number_can_be_typed_stepped_and_given_back(page):
     assert "time_ms" not in question["study"]["exposure"]
 
 
+def test_steps_before_the_next_frame_all_count(page):
+    field = page.get_by_label("Light level in lx")
+    field.focus()
+    page.keyboard.press("ArrowUp")
+    one = float(field.input_value())
+    place = float(page.get_by_label("Light level", exact=True).input_value())
+    page.evaluate(
+        """() => {
+            const key = { key: "ArrowUp", bubbles: true, cancelable: true };
+            const step = () => document.activeElement.dispatchEvent(new KeyboardEvent("keydown", key));
+            for (let i = 0; i < 3; i += 1) step();
+        }"""
+    )
+    assert float(page.get_by_label("Light level", exact=True).input_value()) == place + 3
+    until(page, "(one) => Number(document.activeElement.value) > one", one)
+
+
+def test_a_slider_that_moves_for_long_shows_a_verdict_meanwhile(window):
+    page = window({"study": {"sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}]}})
+    told = page.evaluate(
+        """() => new Promise((done) => {
+            const track = document.querySelector("#controls .track");
+            const verdict = document.querySelector("#verdict");
+            const seen = new Set();
+            const until = performance.now() + 4000;
+            const step = () => {
+                seen.add(verdict.textContent);
+                if (performance.now() > until) return done(seen.size);
+                track.value = String(Number(track.value) + (seen.size % 2 ? 1 : -1));
+                track.dispatchEvent(new Event("input", { bubbles: true }));
+                setTimeout(step, 80);
+            };
+            step();
+        })"""
+    )
+    assert told >= 2
+
+
 def test_what_is_no_number_is_told_beside_the_field_and_asked_of_nobody(page):
     before = state_of(page)
     field = page.get_by_label("f-number, as a number")

@@ -1,6 +1,6 @@
 """Answers, refusals and losses in every order: the page against a model of what it shows."""
 
-from itertools import product
+from itertools import count, product
 
 import pytest
 
@@ -9,8 +9,11 @@ from shells.browser import at_rest, comes, until
 MOST_IN_FLIGHT = 2
 SEEN_MS = 60
 LEVEL = "Light level in lx"
-SHOWN = """([hash, refused]) => document.documentElement.dataset.hash === hash
-    && document.querySelector("#faults").hidden !== refused"""
+SHOWN = """([hash, electrons, fault]) => document.documentElement.dataset.hash === hash
+    && document.querySelector("#electrons").textContent.includes(electrons)
+    && (document.querySelector("#controls .fault")?.textContent ?? null) === fault
+    && document.querySelector("#faults").hidden === (fault === null)"""
+NUMBERS = count(10)
 
 
 class Races:
@@ -22,8 +25,9 @@ class Races:
     def __init__(self, page):
         self.page = page
         self.holds, self.waiting = True, []
-        self.newest_answer = self.newest_refusal = self.asked = 0
+        self.newest_answer = self.newest_refusal = 0
         self.hash = page.evaluate("document.documentElement.dataset.hash")
+        self.electrons = self.fault = ""
         page.route("**/api/answer", self._keep)
 
     def _keep(self, route):
@@ -32,10 +36,10 @@ class Races:
         else:
             route.fallback()
 
-    def asks(self, sign="0."):
+    def asks(self, sign=""):
         expected = min(len(self.waiting) + 1, MOST_IN_FLIGHT)
-        self.asked += 1
-        self.page.get_by_label(LEVEL).fill(f"{sign}{self.asked}")
+        self.level = f"1.{next(NUMBERS)}1"
+        self.page.get_by_label(LEVEL).fill(f"{sign}{self.level}")
         self.page.get_by_label(LEVEL).press("Enter")
         comes(self.page, self.waiting, expected)
 
@@ -45,13 +49,16 @@ class Races:
     def a_reply_comes(self, which):
         route, reply = self.waiting.pop(which)
         number, told = route.request.post_data_json["number"], reply.json()
-        if "faults" in told:
-            self.newest_refusal = max(number, self.newest_refusal)
-        elif number > self.newest_answer:
+        if "faults" in told and number > self.newest_refusal:
+            self.newest_refusal, self.fault = number, told["faults"][0]["sentence"]
+        elif "faults" not in told and number > self.newest_answer:
             self.newest_answer, self.hash = number, told["hash"]
+            mean_e = told["parts"]["numbers"]["sensors"][0]["mean_e"]["G"]
+            self.electrons = f"{mean_e:.4g}"
         route.fulfill(response=reply)
         self.page.wait_for_timeout(SEEN_MS)  # what must not be shown has had its time
-        until(self.page, SHOWN, [self.hash, self.newest_refusal > self.newest_answer])
+        is_refused = self.newest_refusal > self.newest_answer
+        until(self.page, SHOWN, [self.hash, self.electrons, self.fault if is_refused else None])
 
     def a_reply_is_lost(self, which):
         self.waiting.pop(which)[0].fulfill(status=503, json={})
@@ -60,11 +67,14 @@ class Races:
     def ends(self, *, refused):
         """What still waits, comes; what was asked last is shown, or its refusal, and no loss."""
         self.holds = False
+        while self.waiting:  # what was lost is asked for once more
+            route, reply = self.waiting.pop()
+            route.fulfill(response=reply)
         self.page.locator("#lost").wait_for(state="hidden")
         self.page.locator("#faults").wait_for(state="visible" if refused else "hidden")
         at_rest(self.page)
         verdict = self.page.locator("#verdict").inner_text()
-        assert refused or verdict.startswith(f"At 0.{self.asked} lx ")
+        assert refused or verdict.startswith(f"At {self.level} lx ")
         self.page.unroute("**/api/answer")
 
 

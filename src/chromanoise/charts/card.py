@@ -504,7 +504,7 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
         else:
             draw_panel(chart, i, ax).set_axis_off()
     who = "" if every else _some(card)
-    gains = "; right: gain from removing that cause alone" if has_room else ""
+    gains = "; right: gain from removing that cause alone" if has_room and drawn else ""
     _heading(part, f"SNR budget of Y [dB]{gains}{who}")
 
 

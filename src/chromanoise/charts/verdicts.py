@@ -254,10 +254,14 @@ def _whys(best: Standing, behind: Sequence[Standing]) -> list[str]:
     """Noise of the gray in the raw channels, and what each matrix loses: their sum is told."""
     parts = []
     for one in behind[:_MOST_NAMED]:
-        raw_db, lost_db = one.gray_snr_db - best.gray_snr_db, one.lost_in_matrix_db
-        raw = "the same raw SNR" if abs(raw_db) < LEAST_TIE_DB else f"{_more(raw_db)} raw SNR"
+        more_raw_db, lost_db = one.gray_snr_db - best.gray_snr_db, one.lost_in_matrix_db
+        raw = (
+            "the same raw SNR"
+            if abs(more_raw_db) < LEAST_TIE_DB
+            else f"{_more(more_raw_db)} raw SNR"
+        )
         lost = "as much" if abs(lost_db) < LEAST_TIE_DB else _more(lost_db)
-        link = "but" if raw_db >= LEAST_TIE_DB else "and"
+        link = "but" if more_raw_db >= LEAST_TIE_DB else "and"
         parts.append(f"{one.sensor} has {raw} {link} loses {lost} in its color matrix")
     return [f"Why: on an 18 % gray, against {best.sensor}, {'; '.join(parts)}."] if parts else []
 

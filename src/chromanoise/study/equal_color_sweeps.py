@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from chromanoise.base import Array, Float, JsonKey, JsonKeys, with_short_repr
+from chromanoise.base import Array, Float, JsonKey, JsonKeys, check, with_short_repr
 from chromanoise.noise import OperatingPoint
 from chromanoise.spectra import Spectra
 from chromanoise.study.color_matrices import DEFAULT_PRIOR
@@ -16,15 +16,15 @@ from chromanoise.study.sweeps import Sweep
 from chromanoise.study.trade_offs import EqualColor, LeftOut, equal_color
 
 _VALUES = 9  # of a sweep, at which sensors are compared
-_MOST_SENSORS = 20  # beyond, the comparison takes longer than the sweep
+_MOST_SENSORS = 20  # of more, the comparison takes longer than anybody waits
 
-Outcome = Literal["leads", "tie", "lost"]
+Outcome = Literal["leads", "tie", "lost", "not compared"]
 
 
 @with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EqualColorRange:
-    """Consecutive compared values of a sweep with the same winner.
+    """Consecutive compared values of a sweep with the same outcome.
 
     Attributes
     ----------
@@ -33,20 +33,23 @@ class EqualColorRange:
     first, last
         The lowest and the highest of these values. [unit of the sweep]
     outcome
-        Whether a sensor leads, two or more tie, or color is lost in the noise of each.
+        Whether a sensor leads, two or more tie, color is lost in the noise of each, or fewer than
+        two can be compared.
     winner, sensor
         Name of the sensor of least visual noise, and its label in sentences; ``None`` where none
         leads.
     margin_db
         Visual noise of the second sensor over that of the first: smallest and largest of the
-        range. [dB]
+        range; ``None`` without a comparison. [dB]
+    at_color_error
+        Color error at which the noise is compared, as ``margin_db``. [Delta E*ab]
     left_out
-        The sensors that cannot be compared at one of these values or more, with the reason.
+        The sensors that cannot be compared at these values, with the reason at the first.
     """
 
     KEYS: ClassVar[JsonKeys] = (
         *("first", "last", "outcome", "winner", JsonKey("label", "sensor"), "margin_db"),
-        "left_out",
+        *("at_color_error", "left_out"),
     )
 
     sweep: Sweep
@@ -55,7 +58,8 @@ class EqualColorRange:
     outcome: Outcome
     winner: str | None
     sensor: str | None
-    margin_db: tuple[float, float]
+    margin_db: tuple[float, float] | None
+    at_color_error: tuple[float, float] | None
     left_out: tuple[LeftOut, ...]
 
 
@@ -68,8 +72,7 @@ def equal_color_ranges(
 ) -> tuple[EqualColorRange, ...]:
     """Which sensor has the least visual noise at equal color error, over up to nine values.
 
-    Empty for one sensor, or for more than 20. Values at which fewer than two sensors can be
-    compared are in no range.
+    Empty for one sensor, or for more than 20.
 
     Parameters
     ----------
@@ -81,7 +84,15 @@ def equal_color_ranges(
         Its values, increasing. [unit of the sweep]
     prior
         The training set, as for `equal_color`.
+
+    Raises
+    ------
+    InputError
+        If the values do not increase, or one is outside of what the sweep can vary.
     """
+    at = check.increasing(f"values of {sweep.name}", sweep.unit, at)
+    for end in (at[0], at[-1]):
+        check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
     if not 1 < len(points) <= _MOST_SENSORS:
         return ()
     some = np.unique(np.linspace(0, at.size - 1, min(_VALUES, at.size)).round().astype(int))
@@ -90,61 +101,69 @@ def equal_color_ranges(
         for value in at[some].tolist()
     ]
     ranges = []
-    for outcome, group in groupby(found, key=lambda one: _outcome(one[1])):
-        if outcome is None:
-            continue
+    for (outcome, *_), group in groupby(found, key=lambda one: _outcome(one[1])):
         values, there = zip(*group, strict=True)
-        first, margins_db = there[0], [one.margin_db or 0.0 for one in there]
-        left_out = {one.name: one for each in there for one in each.left_out}
+        first = there[0]
         ranges.append(
             EqualColorRange(
                 sweep=sweep,
                 first=values[0],
                 last=values[-1],
-                outcome=outcome[0],
+                outcome=outcome,
                 winner=first.winner,
                 sensor=None if first.winner is None else first.standings[0].sensor,
-                margin_db=(min(margins_db), max(margins_db)),
-                left_out=tuple(left_out.values()),
+                margin_db=_span([one.margin_db for one in there]),
+                at_color_error=_span([one.at_color_error for one in there]),
+                left_out=first.left_out,
             )
         )
     return tuple(ranges)
 
 
-def _outcome(found: EqualColor) -> tuple[Outcome, str | None] | None:
-    """The outcome and the winner; ``None`` without a comparison."""
+def _outcome(found: EqualColor) -> tuple[Outcome, str | None, tuple[str, ...]]:
+    """The outcome, the winner, and who is left out."""
+    outcome: Outcome = "tie" if found.is_tie else "lost"
     if not found.standings:
-        return None
-    if found.winner is not None:
-        return "leads", found.winner
-    return "tie" if found.is_tie else "lost", None
+        outcome = "not compared"
+    elif found.winner is not None:
+        outcome = "leads"
+    return outcome, found.winner, tuple(one.name for one in found.left_out)
+
+
+def _span(values: Sequence[float | None]) -> tuple[float, float] | None:
+    known = [one for one in values if one is not None]
+    return (min(known), max(known)) if known else None
 
 
 def range_sentences(ranges: Sequence[EqualColorRange]) -> list[str]:
-    """Which sensor leads where, and by how much; then where none does.
+    """Which sensor leads where, and by how much; then where none does, and why.
+
+    Values at which fewer than two sensors can be compared are told only if there are no others.
 
     Parameters
     ----------
     ranges
         The ranges of one sweep.
     """
-    led = [one for one in ranges if one.outcome == "leads"]
-    rest = [one for one in ranges if one.outcome != "leads"]
-    return [_sentence(one, is_first=k == 0) for k, one in enumerate([*led, *rest])]
+    compared = [one for one in ranges if one.outcome != "not compared"] or ranges[:1]
+    told = sorted(compared, key=lambda one: one.outcome != "leads")
+    return [_sentence(one, is_first=k == 0) for k, one in enumerate(told)]
 
 
 def _sentence(one: EqualColorRange, *, is_first: bool) -> str:
     low, high = value_in_words(one.first), one.sweep.with_unit(value_in_words(one.last))
     over = f" ({one.sweep.what})" if is_first else ""
     where = f"at {high}{over}" if one.first == one.last else f"from {low} to {high}{over}"
-    least, most = (f"{db:.1f}" for db in one.margin_db)
+    least, most = (f"{db:.1f}" for db in one.margin_db or (0.0, 0.0))
     by = f"{least} dB" if least == most else f"{least} to {most} dB"
     who = {
         "leads": f"{one.sensor} has the least visual noise {where}, {by} below the next sensor",
-        "tie": f"sensors tie in visual noise {where}",
+        "tie": f"the best sensors tie in visual noise {where}",
         "lost": f"no sensor leads {where}, because color is lost in the noise of each",
+        "not compared": f"fewer than two sensors can be compared {where}",
     }[one.outcome]
-    but = "".join(f"; {each.sensor} drops out where {each.why}" for each in one.left_out)
+    left_out = ", ".join(f"{each.sensor} ({each.why})" for each in one.left_out)
+    but = f"; not compared: {left_out}" if left_out else ""
     at = "At equal color error"
     at = f"{at} (noise-aware matrices, up to {_VALUES} values compared)" if is_first else at
     return f"{at}, {who}{but}."

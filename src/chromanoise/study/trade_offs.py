@@ -510,7 +510,9 @@ class Verdict:
         return tuple(one.text for one in self.told if not self._answers(one))
 
     def _answers(self, one: Told) -> bool:
-        return one is self.told[0] or one.about in _ANSWERS[self.reader]
+        first = self.told[0]  # for an eye, too, where a machine can read nothing
+        reader = self.reader if first.about == "machine" else "eye"
+        return one is first or one.about in _ANSWERS[reader]
 
 
 def trade_off(

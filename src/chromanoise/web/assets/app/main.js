@@ -59,6 +59,7 @@ const root = document.documentElement;
  * @property {number | null} level
  * @property {number | undefined} idle
  * @property {number | undefined} frame that will redraw the controls
+ * @property {Study | null} pictured what the picture was last told
  * @property {Head | null} head
  * @property {boolean} printing
  * @property {(state: State, head: Head | null) => void} showControls
@@ -87,6 +88,7 @@ const page = /** @type {Page} */ (
     level: null,
     idle: undefined,
     frame: undefined,
+    pictured: null,
     head: null,
     printing: false,
     showControls: () => {},
@@ -177,7 +179,10 @@ function answered(reply, asked) {
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
   }
   for (const part of want) show(part, reply.parts[part] ?? null, version);
-  if (learn(reply.files)) showInFrame();
+  if (learn(reply.files)) {
+    page.pictured = null;
+    showInFrame();
+  }
   markStale();
   performance.mark("drawn", { detail: reply.number });
   requestAnimationFrame(() => afterPaint.postMessage(reply.number));
@@ -238,7 +243,8 @@ function showNow(state) {
   page.tools.show(state.look);
   page.showMap?.(state);
   page.showControls(state, page.head);
-  page.picture(state);
+  if (state.study !== page.pictured) page.picture(state);
+  page.pictured = state.study;
   lookedAt(state.look);
 }
 
@@ -323,9 +329,9 @@ let askedBefore = "";
 function changed(state, what, how) {
   const asked = JSON.stringify(askedLook(state.look));
   if (what !== "look" || asked !== askedBefore) {
-    page.version += 1;
     const now = performance.now();
-    if (now - page.moved > PAUSE_MS) page.judged = now;
+    if (page.verdictVersion >= page.version) page.judged = now;
+    page.version += 1;
     page.moved = now;
     page.calm = false;
     clearTimeout(page.idle);

@@ -172,7 +172,18 @@ function strides(event, { scale, track }, on) {
   const way = WAYS[event.key];
   if (!way || !event.shiftKey) return;
   event.preventDefault();
-  const place = Number(track.value) + 10 * way;
+  steps(10 * way, { scale, track }, on);
+}
+
+/**
+ * So many places on; the next step begins there, though the controls are shown later.
+ *
+ * @param {number} places
+ * @param {Pick<Parts, "scale" | "track">} parts
+ * @param {Take} on
+ */
+function steps(places, { scale, track }, on) {
+  const place = Number(track.value) + places;
   track.value = String(Math.min(Math.max(place, 0), scale.places));
   on(scale.valueAt(Number(track.value)));
 }
@@ -187,8 +198,7 @@ function strides(event, { scale, track }, on) {
 function wheels(event, { scale, track }, on) {
   if (document.activeElement !== event.currentTarget || !event.deltaY || track.disabled) return;
   event.preventDefault();
-  const place = Number(track.value) - Math.sign(event.deltaY) * (event.shiftKey ? 10 : 1);
-  on(scale.valueAt(Math.min(Math.max(place, 0), scale.places)));
+  steps(-Math.sign(event.deltaY) * (event.shiftKey ? 10 : 1), { scale, track }, on);
 }
 
 /** @type {Record<string, number>} */
@@ -203,8 +213,7 @@ function stepsInField(event, { scale, track }, on) {
   const way = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
   if (!way) return;
   event.preventDefault();
-  const place = Number(track.value) + way * (event.shiftKey ? 10 : 1);
-  on(scale.valueAt(Math.min(Math.max(place, 0), scale.places)));
+  steps(way * (event.shiftKey ? 10 : 1), { scale, track }, on);
 }
 
 /**
