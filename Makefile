@@ -31,6 +31,7 @@ lowest: $(LOWEST)/.installed
 
 evidence: $(VENV)/.dev
 	$(BIN)/python -m pytest -m evidence
+	$(BIN)/python -m pytest --hypothesis-profile=thorough tests/laws
 
 size: $(VENV)/.dev
 	$(BIN)/python tools/size.py

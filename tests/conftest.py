@@ -142,7 +142,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: not item.path.name.startswith(dear))
 
 
-settings.register_profile(
-    "laws", max_examples=25, deadline=None, derandomize=True, database=None, print_blob=False
-)
+for profile, examples in {"laws": 12, "thorough": 100}.items():  # the second by `make evidence`
+    settings.register_profile(
+        profile,
+        max_examples=examples,
+        deadline=None,
+        derandomize=True,
+        database=None,
+        print_blob=False,
+    )
 settings.load_profile("laws")
