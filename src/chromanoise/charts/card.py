@@ -52,7 +52,6 @@ from chromanoise.study import (
     QUANTITIES,
     Analysis,
     PicturePart,
-    Reader,
     Verdict,
     capture_settings_of,
     color_snr_db,
@@ -69,10 +68,7 @@ PAPERS_IN: Mapping[Paper, tuple[float, float]] = {"16:9": (40 / 3, 7.5), "a4": (
 MOST_ON_CARD = 5
 ENDINGS = ("pdf", "svg", "png", "html")
 _SMALLEST_PT = 9.0
-_ABOUT: Mapping[Reader, frozenset[str]] = {  # the sentences on the card, beside the first
-    "eye": frozenset({"winner", "excluded", "why", "total", "lost", "matrix", "alone"}),
-    "machine": frozenset({"winner", "excluded", "matrix", "alone"}),
-}
+_NOT_ON_CARD = frozenset({"turns", "matrix order"})  # of the sentences that answer the reader
 _PIXELS = 1920  # across
 _EDGE_IN = 0.14
 _PLACES = 5  # of a place, as a share of the figure
@@ -95,8 +91,7 @@ class Card:
     of
         The study with its results.
     verdict
-        Its verdict; the card shows its first sentence, the reasons, the total color errors, the
-        sentence on the matrix, and who is saturated or not compared.
+        Its verdict; the card shows the sentences that answer its reader, but where the order turns.
     shown
         Indices of the sensors with a picture: the first two by the verdict.
     pictures
@@ -123,9 +118,7 @@ class Card:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Those of the verdict that are on the card."""
-        first, *others = self.verdict.told
-        kept = _ABOUT[self.verdict.reader]
-        return (first.text, *(one.text for one in others if one.about in kept))
+        return tuple(one.text for one in self.verdict.answer if one.about not in _NOT_ON_CARD)
 
     @property
     def footer(self) -> str:

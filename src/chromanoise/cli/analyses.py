@@ -203,7 +203,7 @@ def _table(result: Analyses) -> Table:
 def _print(result: Analyses, verdict: Verdict, *, whole_notes: bool) -> None:
     """The answer, tables, and what else the verdict says."""
     analyses = result.analyses
-    print_lines(verdict.answer)
+    print_lines(one.text for one in verdict.answer)
     terminal_tables.print_conditions(conditions(result.points))
     terminal_tables.print_analyses(analyses, whole_notes=whole_notes)
     if len(analyses) > MOST_PAIRS_SENSORS:
@@ -213,7 +213,7 @@ def _print(result: Analyses, verdict: Verdict, *, whole_notes: bool) -> None:
     readings = [one.machine for one in result.outcomes if one.machine is not None]
     if readings:
         print_machine_readings(readings)
-    print_lines(verdict.details)
+    print_lines(one.text for one in verdict.details)
 
 
 _VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first", "last"))

@@ -500,14 +500,14 @@ class Verdict:
         return tuple(one.text for one in self.told)
 
     @property
-    def answer(self) -> tuple[str, ...]:
+    def answer(self) -> tuple[Told, ...]:
         """The sentences for this reader."""
-        return tuple(one.text for one in self.told if self._answers(one))
+        return tuple(one for one in self.told if self._answers(one))
 
     @property
-    def details(self) -> tuple[str, ...]:
+    def details(self) -> tuple[Told, ...]:
         """The others: for the other reader, and what the matrix of the analyses costs and why."""
-        return tuple(one.text for one in self.told if not self._answers(one))
+        return tuple(one for one in self.told if not self._answers(one))
 
     def _answers(self, one: Told) -> bool:
         first = self.told[0]  # for an eye, too, where a machine can read nothing
