@@ -414,6 +414,29 @@ def test_the_order_turns_where_read_noise_gives_way_to_shot_noise():
     assert near[1].margin_db < 1.0
 
 
+def test_where_color_is_lost_in_the_noise_of_all_there_is_no_turn():
+    # far in the dark the sensor without IR-cut has less noise, but no sensor shows colors there
+    base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
+    quiet = replace(base, name="quiet", qe=base.qe / 4, pixel=replace(base.pixel, read_noise_e=0.5))
+    strong = replace(base, name="strong", pixel=replace(base.pixel, read_noise_e=6.0))
+    points = [replace(paper_point("onyx-rgb-ircut", 10.0), sensor=one) for one in (quiet, strong)]
+    dark = equal_color([replace(one, level_lux=0.1) for one in points], turns=False)
+    assert (dark.standings[0].sensor, dark.winner) == ("quiet", None)
+    assert [one.winner for one in equal_color(points).turns if one.over == "light [lx]"] == []
+
+
+def test_the_compared_color_error_is_the_least_of_a_named_sensor_and_unused_channels_are_told():
+    found = cn.analyze("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", lux=3).verdict
+    limiting = found.at_equal_color.limiting
+    assert limiting.least_color_error == found.at_color_error
+    first = found.sentences[0]
+    assert f"the least of {limiting.sensor};" in first
+    for one in found.at_equal_color.standings:
+        left_out = set(sensor_named(one.name, DEFAULT_GRID).names) - set(one.channels)
+        named = one is found.at_equal_color.standings[0]
+        assert (f"{one.sensor} (without" in first) == bool(left_out and named)
+
+
 def test_a_tie_and_a_lead_below_it_are_no_turn():
     base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
     almost = replace(base, name="almost", qe=base.qe * [1.002, 0.999, 1.001])

@@ -107,3 +107,12 @@ def test_no_unit_is_guessed_for_numbers_in_no_order_without_a_heading(tmp_path, 
             _read(tmp_path, text)
     else:
         assert _read(tmp_path, text).wavelength_unit == "um"
+
+
+def test_a_column_of_nan_is_a_curve_without_values_and_a_column_of_words_is_none(tmp_path):
+    lines = _upright(["red", "green"]).splitlines()
+    words = "\n".join([f"{lines[0]},remark", *(f"{line},ok" for line in lines[1:])])
+    assert _read(tmp_path, words).curves.names == ("red", "green")
+    missing = "\n".join([f"{lines[0]},blue", *(f"{line},nan" for line in lines[1:])])
+    with refused_input(value="nan"):
+        _read(tmp_path, missing)

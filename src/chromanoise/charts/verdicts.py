@@ -209,7 +209,7 @@ def _at_equal_color(found: EqualColor, able: Collection[str]) -> list[Told]:
     if not found.standings:
         return [Told("lost", "No two sensors can be compared at equal color error."), *left_out]
     best, *others = found.standings
-    tied = [one for one in others if one.behind_db <= (found.tie_db or 0.0)]
+    tied = [one for one in others if one in found.tied]
     behind = [one for one in others if one not in tied]
     lost = [Told("lost", text) for text in _lost(found)]
     first = Told("winner", _first(found, tied, behind))
@@ -223,7 +223,10 @@ def _at_equal_color(found: EqualColor, able: Collection[str]) -> list[Told]:
 
 def _first(found: EqualColor, tied: Sequence[Standing], behind: Sequence[Standing]) -> str:
     best = found.standings[0]
-    at = f"at equal color error ({found.at_color_error:.1f} ΔE*ab, noise-aware matrices)"
+    at = (
+        f"at equal color error ({found.at_color_error:.1f} ΔE*ab, the least of "
+        f"{found.limiting.sensor}; noise-aware matrices)"
+    )
     if not tied:
         less = [
             f"{one.behind_db:.1f} dB less than {one.sensor} ({three_digits(best.visual_noise)} "
@@ -232,8 +235,9 @@ def _first(found: EqualColor, tied: Sequence[Standing], behind: Sequence[Standin
         ]
         last = f"up to {behind[-1].behind_db:.1f} dB less than"
         less = _shortened(less, last)
-        return f"{best.sensor} has the least visual noise {at}: {listed(less)}."
-    names = listed([one.sensor for one in (best, *tied)])
+        who = f"{best.sensor}{_unused(found, best)}"
+        return f"{who} has the least visual noise {at}: {listed(less)}."
+    names = listed([f"{one.sensor}{_unused(found, one)}" for one in (best, *tied)])
     apart = f"they differ by less than {LEAST_TIE_DB:g} dB"
     if max(found.tie_db or 0.0, tied[-1].behind_db) > LEAST_TIE_DB:
         apart = (
@@ -242,6 +246,13 @@ def _first(found: EqualColor, tied: Sequence[Standing], behind: Sequence[Standin
         )
     more = listed([f"{one.sensor} has {one.behind_db:.1f} dB more" for one in behind])
     return f"{names} tie in visual noise {at}: {apart}{'; ' if more else ''}{more}."
+
+
+def _unused(found: EqualColor, one: Standing) -> str:
+    """The channels that the matrix of a sensor leaves out, in brackets."""
+    trade = next(each for each in found.trade_offs if each.point.sensor.label == one.sensor)
+    unused = [name for name in trade.point.sensor.names if name not in one.channels]
+    return f" (without {listed(unused)})" if unused else ""
 
 
 def _shortened(every: list[str], last: str) -> list[str]:

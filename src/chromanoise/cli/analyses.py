@@ -275,7 +275,7 @@ def compare(
     """Compare SENSORS over a range of one parameter: noise, SNR, color error, crossovers.
 
     The first sentence says which sensor has the least visual noise at equal color error, compared
-    at up to 9 values of the range; it is there for 2 to 20 sensors.
+    at up to 9 values of the range; it is there for 2 to 20 sensors, without --and.
 
     The exposure time is solved once, for the settings that stay fixed, so that the brightest
     channel of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -38,18 +38,21 @@ class EqualColorRange:
     winner, sensor
         Name of the sensor of least visual noise, and its label in sentences; ``None`` where none
         leads.
+    tied
+        Labels of the sensors that tie, where two or more do.
     margin_db
         Visual noise of the second sensor over that of the first: smallest and largest of the
         range; ``None`` without a comparison. [dB]
-    at_color_error
-        Color error at which the noise is compared, as ``margin_db``. [Delta E*ab]
+    tie_db, at_color_error
+        Largest margin that is a tie, and the color error of the comparison, as ``margin_db``. [dB,
+        Delta E*ab]
     left_out
         The sensors that cannot be compared at these values, with the reason at the first.
     """
 
     KEYS: ClassVar[JsonKeys] = (
-        *("first", "last", "outcome", "winner", JsonKey("label", "sensor"), "margin_db"),
-        *("at_color_error", "left_out"),
+        *("first", "last", "outcome", "winner", JsonKey("label", "sensor"), "tied"),
+        *("margin_db", "tie_db", "at_color_error", "left_out"),
     )
 
     sweep: Sweep
@@ -58,7 +61,9 @@ class EqualColorRange:
     outcome: Outcome
     winner: str | None
     sensor: str | None
+    tied: tuple[str, ...]
     margin_db: tuple[float, float] | None
+    tie_db: tuple[float, float] | None
     at_color_error: tuple[float, float] | None
     left_out: tuple[LeftOut, ...]
 
@@ -112,7 +117,9 @@ def equal_color_ranges(
                 outcome=outcome,
                 winner=first.winner,
                 sensor=None if first.winner is None else first.standings[0].sensor,
+                tied=_tied(first),
                 margin_db=_span([one.margin_db for one in there]),
+                tie_db=_span([one.tie_db for one in there]),
                 at_color_error=_span([one.at_color_error for one in there]),
                 left_out=first.left_out,
             )
@@ -120,14 +127,18 @@ def equal_color_ranges(
     return tuple(ranges)
 
 
-def _outcome(found: EqualColor) -> tuple[Outcome, str | None, tuple[str, ...]]:
-    """The outcome, the winner, and who is left out."""
+def _tied(found: EqualColor) -> tuple[str, ...]:
+    return tuple(one.sensor for one in found.tied) if found.is_tie else ()
+
+
+def _outcome(found: EqualColor) -> tuple[Any, ...]:
+    """The outcome, the winner, and who ties or is left out."""
     outcome: Outcome = "tie" if found.is_tie else "lost"
     if not found.standings:
         outcome = "not compared"
     elif found.winner is not None:
         outcome = "leads"
-    return outcome, found.winner, tuple(one.name for one in found.left_out)
+    return outcome, found.winner, sorted(_tied(found)), [one.name for one in found.left_out]
 
 
 def _span(values: Sequence[float | None]) -> tuple[float, float] | None:
@@ -138,27 +149,35 @@ def _span(values: Sequence[float | None]) -> tuple[float, float] | None:
 def range_sentences(ranges: Sequence[EqualColorRange]) -> list[str]:
     """Which sensor leads where, and by how much; then where none does, and why.
 
-    Values at which fewer than two sensors can be compared are told only if there are no others.
+    Last, where fewer than two sensors can be compared.
 
     Parameters
     ----------
     ranges
         The ranges of one sweep.
     """
-    compared = [one for one in ranges if one.outcome != "not compared"] or ranges[:1]
-    told = sorted(compared, key=lambda one: one.outcome != "leads")
-    return [_sentence(one, is_first=k == 0) for k, one in enumerate(told)]
+    order = ("leads", "tie", "lost")
+    compared = [one for one in ranges if one.outcome != "not compared"]
+    told = sorted(compared, key=lambda one: order.index(one.outcome)) or list(ranges[:1])
+    sentences = [_sentence(one, is_first=k == 0) for k, one in enumerate(told)]
+    if 0 < len(compared) < len(ranges):
+        where = " and ".join(_where(one) for one in ranges if one not in compared)
+        sentences.append(f"Fewer than two sensors can be compared {where}.")
+    return sentences
+
+
+def _where(one: EqualColorRange) -> str:
+    low, high = value_in_words(one.first), one.sweep.with_unit(value_in_words(one.last))
+    return f"at {high}" if one.first == one.last else f"from {low} to {high}"
 
 
 def _sentence(one: EqualColorRange, *, is_first: bool) -> str:
-    low, high = value_in_words(one.first), one.sweep.with_unit(value_in_words(one.last))
-    over = f" ({one.sweep.what})" if is_first else ""
-    where = f"at {high}{over}" if one.first == one.last else f"from {low} to {high}{over}"
+    where = f"{_where(one)} ({one.sweep.what})" if is_first else _where(one)
     least, most = (f"{db:.1f}" for db in one.margin_db or (0.0, 0.0))
     by = f"{least} dB" if least == most else f"{least} to {most} dB"
     who = {
         "leads": f"{one.sensor} has the least visual noise {where}, {by} below the next sensor",
-        "tie": f"the best sensors tie in visual noise {where}",
+        "tie": f"{' and '.join(one.tied)} tie in visual noise {where}",
         "lost": f"no sensor leads {where}, because color is lost in the noise of each",
         "not compared": f"fewer than two sensors can be compared {where}",
     }[one.outcome]

@@ -414,6 +414,16 @@ class EqualColor:
         return self.margin_db is not None and self.margin_db <= (self.tie_db or 0.0)
 
     @property
+    def tied(self) -> tuple[Standing, ...]:
+        """The first sensor, and those that tie with it."""
+        return tuple(one for one in self.standings if one.behind_db <= (self.tie_db or 0.0))
+
+    @property
+    def limiting(self) -> Standing:
+        """The sensor of the largest least color error: the others are compared at that."""
+        return max(self.standings, key=lambda one: one.least_color_error)
+
+    @property
     def winner(self) -> str | None:
         """Name of the first sensor; ``None`` for a tie, and where every color is lost in noise."""
         if not self.standings or self.is_tie or all(one.is_lost for one in self.standings):
@@ -753,8 +763,8 @@ def equal_color(
         lit = sorted(by_light)
         levels, same = [by_light[one] for one in lit], [trades] * _ERRORS
         found_turns = [
-            *_turns("light [lx]", lit, levels, None, first, changes_db),
-            *_turns("color error [Delta E*ab]", errors, same, errors, first, changes_db),
+            *_turns("light [lx]", lit, levels, None, first, changes_db, colorless),
+            *_turns("color error [Delta E*ab]", errors, same, errors, first, changes_db, colorless),
         ]
     snr_db = [_gray_snr_db(one, least) for one in trades]
     every = [
@@ -953,11 +963,12 @@ def _turns(
     errors: Float[Array, " l"] | None,
     first: int,
     tie_db: Float[Array, " s"],
+    colorless: float,
 ) -> list[Turn]:
     """Ranges in which another sensor has less noise than the first one, by more than its tie.
 
-    It has less beyond first order and by S-CIELAB, too. Without ``errors``, sensors are compared at
-    the least color error that all reach.
+    It has less beyond first order and by S-CIELAB, too, and color is not lost in the noise of all.
+    Without ``errors``, sensors are compared at the least color error that all reach.
     """
     at_error = [max(one.least_color_error for one in there) for there in trades]
     at_error = at_error if errors is None else list(errors)
@@ -971,6 +982,8 @@ def _turns(
         if leader == first:
             return first
         beyond = _noises_beyond([trades[k][first], trades[k][leader]], at_error[k])
+        if all(one.least_total_error()[0] >= colorless for one in trades[k]):
+            return None
         return leader if (beyond[:, 1] < beyond[:, 0]).all() else None
 
     def edge(k: int) -> float:

@@ -202,7 +202,10 @@ def _is_no_curve(name: str, cells: Sequence[tuple[str, ...]], comma: bool) -> bo
     bare = name_and_unit(name)[0]
     if _COUNTS_ROWS.fullmatch(bare) or _OTHER_AXIS.fullmatch(bare):
         return True
-    return not any(is_number(text, decimal_comma=comma) for one in cells for text in one)
+    texts = [text.strip() for one in cells for text in one if text.strip()]
+    if {text.lower() for text in texts} == {"nan"}:
+        return False  # a curve without any value, which is refused where it is read
+    return not any(is_number(text, decimal_comma=comma) for text in texts)
 
 
 def _without_words_after(
