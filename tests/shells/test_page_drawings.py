@@ -80,6 +80,8 @@ def test_of_sixty_presses_the_last_is_shown_in_the_end_and_no_older_one_after_it
     page.on("request", lambda one: asked.append(one) if one.url.endswith("answer") else None)
     for _ in range(60):
         page.keyboard.press("ArrowDown")
+    # the field is written in the next frame
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
     value = float(track.locator("xpath=..").locator("input.field").input_value())
     key, name = ("light", "level_lux") if control == "Light level" else ("exposure", "f_number")
     page.wait_for_url(lambda _: state_of(page)["study"][key][name] == value)
