@@ -75,7 +75,7 @@ def test_a_sensitive_noisy_pixel_overtakes_a_dull_silent_one_where_their_snr_is_
     assert crossed.better_first == "silent"
     sentence = crossover_sentence(crossed)
     assert f"below {expected:.3g} lx" in sentence
-    assert sentence.startswith("With the kernel matrix silent")
+    assert sentence.startswith("With the kernel matrix, silent")
 
 
 def test_the_order_in_which_sensors_are_named_changes_no_crossover():

@@ -12,7 +12,7 @@ import pytest
 
 from served_page import chromium_path, served
 
-TIMEOUT_MS = 300_000  # for a machine that other programs keep busy
+TIMEOUT_MS = 120_000  # for a machine that other programs keep busy
 DRAWN = "section.panel[data-part]:not([data-part=picture])"
 
 
@@ -188,6 +188,11 @@ def until(page, truth, argument=None):
         look();
     }})"""
     page.evaluate(waiting, argument)
+
+
+def framed(page):
+    """Wait for the next frame, in which the page draws its controls."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
 
 
 def at_rest(page):

@@ -7,6 +7,7 @@ from shells.browser import (
     EVERYTHING,
     answer_to,
     at_rest,
+    framed,
     in_address,
     moved_by_key,
     open_drawers,
@@ -102,6 +103,7 @@ def test_steps_before_the_next_frame_all_count(page):
     field = page.get_by_label("Light level in lx")
     field.focus()
     page.keyboard.press("ArrowUp")
+    framed(page)
     one = float(field.input_value())
     place = float(page.get_by_label("Light level", exact=True).input_value())
     page.evaluate(

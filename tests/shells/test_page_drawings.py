@@ -2,7 +2,7 @@
 
 import pytest
 
-from shells.browser import answer_to, comes, held, moved_by_key, state_of, until
+from shells.browser import answer_to, comes, framed, held, moved_by_key, state_of, until
 
 
 def test_an_earlier_answer_stays_as_a_ghost_until_it_is_removed(page):
@@ -80,8 +80,7 @@ def test_of_sixty_presses_the_last_is_shown_in_the_end_and_no_older_one_after_it
     page.on("request", lambda one: asked.append(one) if one.url.endswith("answer") else None)
     for _ in range(60):
         page.keyboard.press("ArrowDown")
-    # the field is written in the next frame
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+    framed(page)
     value = float(track.locator("xpath=..").locator("input.field").input_value())
     key, name = ("light", "level_lux") if control == "Light level" else ("exposure", "f_number")
     page.wait_for_url(lambda _: state_of(page)["study"][key][name] == value)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from served_page import served, stopped
-from shells.browser import answer_to, at_rest, packed, shown, state_of, study_of, until
+from shells.browser import answer_to, at_rest, framed, packed, shown, state_of, study_of, until
 
 STUDY = {
     "light": {"illuminant": "E+0.25xLED850", "level_lux": 3.3},
@@ -297,6 +297,7 @@ def test_two_windows_with_different_studies_do_not_mix(window):
         two.keyboard.press("ArrowDown")
     seen = []
     for page, level in ((one, 2.0), (two, 200.0)):
+        framed(page)
         number = page.get_by_label("f-number, as a number").input_value()
         fields = "[...document.querySelectorAll('#electrons td[data-key=f_number]')]"
         until(page, f"(f) => {fields}.every((one) => Number(one.textContent) === f)", float(number))
@@ -319,6 +320,7 @@ def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, wa
         assert "does not answer" in lost.inner_text()
         assert page.get_by_role("alert").filter(visible=True).count() == 1
         page.keyboard.press("Shift+ArrowUp")
+        framed(page)
         field = page.get_by_label("f-number, as a number").input_value()
         with served(port=where.rstrip("/").rpartition(":")[2]):
             lost.wait_for(state="hidden")
