@@ -66,6 +66,7 @@ def test_the_checks_of_a_package_index_pass(distributions):
     subprocess.run(words, check=True, capture_output=True)
 
 
+@pytest.mark.evidence
 def test_two_builds_give_the_same_bytes(distributions, tmp_path):
     again = built(tmp_path)
     for first, second in zip(distributions, again, strict=True):
@@ -102,6 +103,7 @@ LICENSES = {  # of the tables that name them as their source
     "ISETCam": "Permission is hereby granted, free of charge",
     "isofit": "Apache License Version 2.0, January 2004",
     "pvlib": "Redistribution and use in source and binary forms",
+    "rawtoaces": "Apache License Version 2.0, January 2004",
 }
 
 
@@ -122,6 +124,7 @@ def test_the_wheel_has_the_license_of_each_source_of_its_tables(distributions, p
     assert set(re.findall(r"tables/([\w-]+)\.csv", text)) == taken != set()
 
 
+@pytest.mark.evidence
 def test_an_installation_without_git_knows_its_version(distributions, tmp_path):
     target, nothing = tmp_path / "installed", tmp_path / "nothing"
     nothing.mkdir()

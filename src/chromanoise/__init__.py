@@ -62,6 +62,7 @@ if TYPE_CHECKING:
         characterize as characterize,
     )
     from chromanoise.apps.design import Design as Design, Sensitivity as Sensitivity
+    from chromanoise.apps.league import League as League, league as league
     from chromanoise.base import InputError as InputError, Setting as Setting
     from chromanoise.color import ColorMatrix as ColorMatrix
     from chromanoise.io import read_curves as read_curves
@@ -97,7 +98,10 @@ if TYPE_CHECKING:
 
 sys.meta_path.insert(0, MovedPackages())
 register_above(
-    figures="chromanoise.charts", camera="chromanoise.apps.camera", design="chromanoise.apps.design"
+    figures="chromanoise.charts",
+    camera="chromanoise.apps.camera",
+    design="chromanoise.apps.design",
+    league="chromanoise.apps.league",
 )
 
 __getattr__, _, __all__ = lazy_names(__name__)

@@ -67,7 +67,7 @@ def test_every_packaged_file_has_a_section_and_every_section_a_file():
 
     folder = resources.files("chromanoise.spectra.tables")
     files = {item.name[:-4] for item in folder.iterdir() if item.name.endswith(".csv")}
-    assert files == set(sources())
+    assert files == {result.table for result in sources().values()}
 
 
 def test_no_two_entries_share_a_name():
@@ -86,7 +86,7 @@ def test_the_catalog_lists_every_sensor_cube_and_cie_illuminant_that_can_be_name
     import colour
 
     of = {kind: {e.provenance.name for e in catalog_entries(kind)} for kind in KINDS}
-    assert of["sensors"] == set(KNOWN_SENSORS)
+    assert of["sensors"] | of["cameras"] == set(KNOWN_SENSORS)
     assert of["scenes"] == set(BUILTIN_CUBES)
     assert set(colour.SDS_ILLUMINANTS) <= of["illuminants"]
 
@@ -96,7 +96,7 @@ def test_what_is_said_of_colour_sciences_tables_is_so():
 
     told_of = {n: p for n, p in formulas().items() if "colour-science" in p.source}
     cameras = {name for name, result in told_of.items() if result.carried_as}
-    assert cameras == {"nikon-d5100", "sigma-sd-merrill"}
+    assert cameras == {"nikon-d5100-npl", "sigma-sd-merrill"}
     # A and E follow their formulas instead
     assert set(told_of) - cameras == set(colour.SDS_ILLUMINANTS) - {"A", "E"}
     assert len(told_of) == 59
@@ -140,7 +140,11 @@ def test_what_is_asked_is_told_option_by_option():
     assert catalog_entry("mt9v024-rgb").asks == ()
     assert catalog_entry("mt9m131").asks == ("--beyond",)
     assert catalog_entry("ar0132at-rgbw").asks == ("--beyond", "--peak-qe")
-    assert catalog_entry("nikon-d5100").asks == ("--beyond", "--peak-qe", "--energy or --photons")
+    assert catalog_entry("nikon-d5100-npl").asks == (
+        "--beyond",
+        "--peak-qe",
+        "--energy or --photons",
+    )
 
 
 def test_a_relative_sensor_has_the_peak_that_was_said_and_a_note_of_it():

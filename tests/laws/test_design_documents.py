@@ -207,6 +207,7 @@ def test_a_curve_is_the_dye_of_a_channel_of_the_catalog(tmp_path):
     ]
 
 
+@pytest.mark.evidence
 def test_the_folder_of_a_failed_search_takes_the_corrected_design(tmp_path):
     text = HEAD + CHANNEL + constraint("at_most", "0.001")
     with refused_input(subject="the constraints"):

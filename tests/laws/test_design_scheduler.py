@@ -47,6 +47,7 @@ def same(one, other):
     return all(map(np.array_equal, arrays_of(one), arrays_of(other)))
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("threads", [7, *dear(1, 2, 60)])
 def test_a_cluster_gives_the_front_of_one_process_whatever_the_chunks(address, threads):
     here = searched_front(bnh(), SETTINGS)
@@ -90,6 +91,7 @@ def test_a_nan_from_a_worker_is_the_same_sentence(address):
     assert found[0] == found[1]
 
 
+@pytest.mark.evidence
 def test_lost_workers_are_one_sentence_that_names_the_population():
     dask = pytest.importorskip("dask", reason="dask is an extra")
 

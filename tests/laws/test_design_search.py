@@ -329,6 +329,7 @@ def stopping(after):
     return progress
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("after", [1, 7])
 @pytest.mark.parametrize(
     ("problem", "method"),

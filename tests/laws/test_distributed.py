@@ -245,6 +245,7 @@ def wide_file(tmp_path):
     return path
 
 
+@pytest.mark.evidence
 def test_the_command_writes_the_same_files_on_threads_and_on_any_cluster(
     address, wide_file, tmp_path, capsys
 ):

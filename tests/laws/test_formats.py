@@ -60,7 +60,7 @@ def test_a_damaged_file_is_read_whole_or_refused_in_one_sentence(tmp_path, name)
     kinds = (
         {"cuts": 3, "others": OTHERS[:1], "count": 4 // len(files)}
         if few
-        else {"cuts": 20, "others": OTHERS, "count": 40 // len(files)}
+        else {"cuts": 10, "others": OTHERS, "count": 20 // len(files)}
     )
     for file in files:
         whole = file.read_bytes()

@@ -68,6 +68,7 @@ def test_rows_beyond_2_to_the_15_do_not_overflow_their_sums():
     assert sums.totals.tolist() == [[140_000 * 65535]]
 
 
+@pytest.mark.evidence
 @pytest.mark.skipif(sys.platform != "linux", reason="object code is kept on Linux")
 def test_sums_over_frames_need_no_numba_until_a_kept_kernel_is_damaged(tmp_path):
     script = (

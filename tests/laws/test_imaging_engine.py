@@ -90,6 +90,7 @@ def electrons_by_numpy(cube, operating_point):
     return np.asarray(cube.stored, dtype=np.float64) @ (weights * cube.scale)
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("channels", [1, 3, 5, 8])
 def test_electrons_are_those_of_a_product_in_float64_however_the_cube_lies(layout, channels):

@@ -60,6 +60,7 @@ def asked(package, question=ASK, **variables):
     return int(answer), int(hits), None if path == "None" else Path(path)
 
 
+@pytest.mark.evidence
 def test_a_change_in_a_file_that_a_kernel_calls_is_seen_though_its_date_is_older(installed):
     answer, hits, folder = asked(installed)
     assert (answer, hits) == (2, 0)
@@ -83,6 +84,7 @@ def test_a_change_in_a_file_that_a_kernel_of_another_package_calls_is_seen(insta
     assert asked(installed, question)[:2] == (3, 0)
 
 
+@pytest.mark.evidence
 def test_old_kernels_are_removed_when_new_ones_are_compiled_and_not_before(installed):
     (kept,) = (one for one in asked(installed)[2].parents if one.name.startswith("kernels-"))
     (installed / "__pycache__" / "kernels-mine").mkdir()

@@ -41,6 +41,7 @@ def _calls():
                     yield node.args[0].value.partition(".")[0], extra.value
 
 
+@pytest.mark.evidence
 def test_each_optional_package_is_in_the_extra_that_its_error_names():
     found = set(_calls())
     assert len(found) > 8

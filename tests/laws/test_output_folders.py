@@ -419,6 +419,7 @@ print(number)
 """
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("end", ["os._exit(9)", "raise KeyboardInterrupt"])
 @pytest.mark.parametrize("old", [{}, REPLACED, OLD], ids=["new", "of a run", "of others too"])
 def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_of_them(

@@ -30,6 +30,7 @@ def records():
     }
 
 
+@pytest.mark.evidence
 def test_each_record_is_shown_by_its_class_in_a_few_lines(records):
     for kind, one in records.items():
         text = repr(one)

@@ -160,6 +160,7 @@ def cgats_of(sets):
     return head + fields + "1 2 3\n" * sets + "END_DATA\n"
 
 
+@pytest.mark.evidence
 def test_a_file_of_very_many_curves_is_refused_at_once(tmp_path):
     path = tmp_path / "a.sp"
     path.write_text(cgats_of(3000))

@@ -217,6 +217,7 @@ chart = true
 ]
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("text", EXTRAS)
 def test_the_script_of_a_study_prints_the_numbers_of_its_run(text, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -301,6 +302,7 @@ def changed(model, path, name, value):
     return model.model_copy(update={step: changed(inner, rest, name, value)})
 
 
+@pytest.mark.evidence
 def test_the_hash_depends_on_every_field_of_a_study(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "p.txt").write_text("x")
@@ -360,6 +362,7 @@ def whole(tmp_path_factory):
     return folder
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("after", [0, 1, 2, 3])
 def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(after, whole, tmp_path):
     steps = []

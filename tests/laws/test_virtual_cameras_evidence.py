@@ -43,6 +43,7 @@ def found_by(monkeypatch, characterize, cameras):
     return [one for number in range(cameras) for one in findings(1, number)]
 
 
+@pytest.mark.evidence
 def test_the_scores_find_errors_that_are_too_small_and_a_bias(monkeypatch):
     found = found_by(monkeypatch, characterize_by_the_truth(2.0, 0.5, hidden=("qe",)), 20)
     score = scores(found)

@@ -27,6 +27,7 @@ def test_the_probability_of_a_count_is_scipys(mean_e):
         assert at.mean[0] == pytest.approx(stats.poisson.pmf(count, mean_e), rel=1e-8, abs=1e-17)
 
 
+@pytest.mark.evidence
 def test_a_smooth_function_has_the_mean_and_variance_of_scipys_quadrature():
     counts = np.arange(60)
     weights = stats.poisson.pmf(counts, 9.0)

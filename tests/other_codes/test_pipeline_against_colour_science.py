@@ -112,6 +112,7 @@ def z_scores(drawn, measurement):
     return mean_z, (products.mean(axis=0) - measurement.covariance) / se
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize(
     ("name", "matrix", "pixel", "more"), dear_if(lambda one: not one[2], CASES), ids=IDS
 )
@@ -135,6 +136,7 @@ def test_draws_through_colour_science_scatter_as_predicted(name, matrix, pixel, 
         assert np.abs(covariance_z).max() < 5, step
 
 
+@pytest.mark.evidence
 def test_chroma_of_a_gray_has_no_mean_but_noise():
     """By colour-science a neutral has Cb = Cr = 0; its chroma noise remains."""
     found = pipeline_noise(analysis_of("onyx-rgb-ircut", "white-preserving", ()))

@@ -181,6 +181,7 @@ def test_the_packaged_curves_are_where_the_tool_would_stay(
     _assert_same_curves(tool, refitted, packaged_qe, packaged_cut)
 
 
+@pytest.mark.evidence
 def test_the_same_start_gives_the_same_bytes(tool):
     first, again = (tool.fitted(tool.start(1), most_evaluations=2) for _ in range(2))
     assert first.parameters.tobytes() == again.parameters.tobytes()

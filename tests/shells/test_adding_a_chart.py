@@ -102,6 +102,7 @@ def report(copy):
     return (copy / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.evidence
 def test_a_report_has_its_section_its_drawing_and_its_data(report):
     assert '<section data-part="pitches"' in report
     packed = re.search(r'<script type="application/gzip"[^>]*>(.*?)</script>', report, re.S)[1]
@@ -114,6 +115,7 @@ def test_the_figures_of_a_report_have_it(copy, report):
     assert {"pitches.svg", "pitches.pdf"} <= names
 
 
+@pytest.mark.evidence
 def test_the_page_draws_it_in_its_place(copy, report, window, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(copy))
     with served(copy / "study.toml") as (where, _):

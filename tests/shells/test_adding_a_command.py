@@ -86,6 +86,7 @@ def answers(tmp_path_factory):
     return json.loads(found.stdout.splitlines()[-1])
 
 
+@pytest.mark.evidence
 def test_the_help_lists_it_with_its_line_and_its_options(answers):
     assert "list-channels" in answers["list"]
     assert "Names of the channels of a sensor." in " ".join(answers["list"].split())

@@ -79,6 +79,7 @@ def overlap(first, second):
     return bool((high - low > OVERLAP_PX).all())
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("name", dear_if(("one", "two on A4", "five").__contains__, CARDS))
 def test_no_text_is_small_or_cut_off_or_covers_another(name):
     figure = card_named(name).figure()
@@ -95,6 +96,7 @@ def test_no_text_is_small_or_cut_off_or_covers_another(name):
         assert not overlap(first[2], second[2]), (first[0], second[0])
 
 
+@pytest.mark.evidence
 def test_the_svg_has_the_verdict_and_the_numbers_of_the_analysis(pair, svg):
     shown = text_of(svg)
     result = cn.analyze(*PAIR, lux=3)
@@ -128,6 +130,7 @@ def test_pixels_of_different_sensors_are_told_apart():
     assert "; quiet: 10 µm, full well 10000 e⁻, read noise 1.25 e⁻" in card.footer
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("paper", ["16:9", *dear("a4")])
 def test_each_format_is_whole_and_of_the_size_of_its_paper(done, here, paper):
     for ending in ("png", "svg", "pdf", "html"):
@@ -171,6 +174,7 @@ def test_the_pictures_are_the_same_crop_with_the_noise_of_the_study(pair, svg):
     assert not np.array_equal(other.pictures[0], pair.pictures[0])
 
 
+@pytest.mark.evidence
 def test_a_saturated_sensor_says_so():
     card = card_named("two, one saturated")
     shown = text_of(card.content("svg"))
@@ -181,6 +185,7 @@ def test_a_saturated_sensor_says_so():
     assert "onyx-rgbw: saturated" in shown
 
 
+@pytest.mark.evidence
 def test_of_five_sensors_the_winner_and_the_second_have_a_picture():
     card = card_named("five")
     best = [one.sensor for one in card.verdict.at_equal_color.standings[:2]]
@@ -205,6 +210,7 @@ def test_objects_of_python_are_on_a_card():
     assert card.title.startswith("mine at 1 lx")
 
 
+@pytest.mark.evidence
 def test_an_existing_file_that_the_user_names_is_replaced_and_a_failure_leaves_it(run, here):
     file = here / "card.svg"
     file.write_text("old")

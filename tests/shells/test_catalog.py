@@ -108,7 +108,15 @@ def test_devices_answer_through_every_command_and_ask_through_its_options(run):
     (note,) = re.findall(r"full well and read noise of mt9v024-rgbw [^.;]*", " ".join(out.split()))
     assert re.findall(r"\d+(?= e-)", note) == ["10000", "10"]
     code, out, err = run(
-        "analyze", "nikon-d5100", "--energy", "--peak-qe", "0.5", "--beyond", "zero", "--json", "-"
+        "analyze",
+        "nikon-d5100-npl",
+        "--energy",
+        "--peak-qe",
+        "0.5",
+        "--beyond",
+        "zero",
+        "--json",
+        "-",
     )
     assert (code, err) == (0, "")
     assert "NaN" not in out

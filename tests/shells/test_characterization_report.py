@@ -86,6 +86,7 @@ def test_the_report_shows_every_plane_with_its_gain_and_error(report):
         assert f"{plane.gain_dn_per_e:.4f} ± {plane.gain_dn_per_e_se:.4f}" in page.text
 
 
+@pytest.mark.evidence
 def test_the_verdict_stands_at_the_top_with_its_sentences():
     sentence = "neighbors in a row correlate by 0.21 at level 3"
     verdict = ModelVerdict(

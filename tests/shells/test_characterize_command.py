@@ -28,6 +28,7 @@ def test_json_has_the_digits_of_the_library_and_the_keys_that_scripts_use(run, f
         assert len(plane["levels"]) == 8
 
 
+@pytest.mark.evidence
 def test_the_pixel_file_is_taken_by_analyze_with_the_values_found(run, frames, tmp_path):
     code, _, err = run("characterize", "frames", "-o", "camera")
     assert code == 0, err
@@ -153,6 +154,7 @@ def test_exchanged_frames_and_codes_beyond_the_bits_are_refused(run, frames, cha
     refused(run("characterize", "frames"), named)
 
 
+@pytest.mark.evidence
 def test_a_table_of_means_and_variances_gives_the_values_of_its_plane(run, frames):
     code, _, err = run("characterize", "frames", "-o", "camera")
     assert code == 0, err

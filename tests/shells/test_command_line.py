@@ -395,6 +395,7 @@ def test_a_readout_held_whole_at_full_well_is_saturated_and_nothing_more(run):
     assert run(*arguments)[0] == 0
 
 
+@pytest.mark.evidence
 def test_analyze_takes_another_matrix_and_tells_every_patch_of_the_chart(run):
     arguments = ("analyze", "onyx-rgbw", "--lux", 1, "--time-ms", 12)
     values = []

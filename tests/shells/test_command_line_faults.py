@@ -44,6 +44,7 @@ def broken_among(count, seed):
     return json.loads(done.stdout)
 
 
+@pytest.mark.evidence
 def test_a_few_random_command_lines_give_results_or_sentences():
     result = broken_among(16, seed=0)
     assert result["broken"] == []
@@ -153,6 +154,7 @@ def test_a_stop_while_an_object_is_deleted_is_a_stop(run, monkeypatch):
     assert (code, out, err) == (130, "", "chromanoise: stopped\n")
 
 
+@pytest.mark.evidence
 def test_a_stop_that_a_library_swallows_is_a_stop_and_no_cleanup_is_interrupted(run, monkeypatch):
     cleaned = []
 

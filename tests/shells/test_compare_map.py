@@ -43,6 +43,7 @@ def test_the_heat_map_of_one_sensor_has_its_values_and_of_two_their_difference()
         assert drawn.reshape(expected.shape) == pytest.approx(expected, nan_ok=True)
 
 
+@pytest.mark.evidence
 @pytest.mark.usefixtures("plain_report")
 def test_the_report_and_the_figures_of_a_study_have_a_heat_map_per_sweep_of_two():
     of = shown(study_from_data(STUDY))

@@ -226,8 +226,8 @@ def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
             *("scale", "percent", ["ar0132at-rgbw", "--percent"]),
         ),
         (
-            ("nikon-d5100", "--energy", "--um"),
-            *("wavelength_unit", "um", ["nikon-d5100", "--wavelength-unit"]),
+            ("nikon-d5100-npl", "--energy", "--um"),
+            *("wavelength_unit", "um", ["nikon-d5100-npl", "--wavelength-unit"]),
         ),
         (("own.json", "--relative"), "level", "relative", ["own.json", "--relative"]),
         (

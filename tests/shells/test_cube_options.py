@@ -118,6 +118,7 @@ def test_a_pipe_within_a_zarr_folder_is_refused(run, tmp_path):
 COMMAND = [sys.executable, "-c", "from chromanoise.cli import main; main()", "run", "/dev/stdin"]
 
 
+@pytest.mark.evidence
 def test_a_study_may_be_piped_in_and_endless_input_is_refused(tmp_path):
     study = '[[sensors]]\nname = "model-mono"\n'
     done = subprocess.run(

@@ -98,6 +98,7 @@ def test_the_study_of_the_readme_is_made_run_and_repeated(readme_folder, done):
     done(*commands[2])
 
 
+@pytest.mark.evidence
 def test_the_frames_of_the_readme_are_made_and_characterized(readme_folder, done):
     for words in readme_commands():
         if words[0] in ("demo-frames", "characterize"):

@@ -215,6 +215,7 @@ def test_svg_keeps_text_as_text_and_has_no_date(svgs, name):
     assert "dc:date" not in svg
 
 
+@pytest.mark.evidence
 def test_two_runs_give_the_same_bytes(study, svgs):
     again = paper_figures(study, paper_planes(study), (PICTURE, PICTURE))
     for name, figure in again.items():

@@ -14,6 +14,7 @@ FOLDER = Path(__file__).parents[2] / "docs" / "gallery"
 SCRIPTS = sorted(FOLDER.glob("plot_*.py"))
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize(
     "path", dear_if(lambda path: "front" in path.stem, SCRIPTS), ids=lambda path: path.stem
 )

@@ -37,6 +37,7 @@ def test_a_first_screen_looks_as_its_committed_picture(name, chromium, page_addr
     assert looks_like(name, photograph(chromium, page_address, SHOTS[name]))
 
 
+@pytest.mark.evidence
 def test_the_card_looks_as_its_committed_picture(tmp_path):
     assert looks_like("card", FILES["card"](None, tmp_path))
 

@@ -22,6 +22,7 @@ def test_a_study_takes_gains_of_white_balance_as_a_list():
     assert study.outputs.pipeline.white_balance == (2.0, 1.0, 1.5)
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize(
     "words",
     [

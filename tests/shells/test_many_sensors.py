@@ -62,6 +62,7 @@ def boxes_of(figure):
             yield text.get_text(), (box.x0 + 1, box.y0 + trim, box.x1 - 1, box.y1 - trim)
 
 
+@pytest.mark.evidence
 def test_no_words_of_a_figure_overlap_and_none_leaves_it(figures):
     for name, figure in figures.items():
         boxes = list(boxes_of(figure))
@@ -83,6 +84,7 @@ def test_figures_of_many_sensors_fit_a_page(figures):
         assert height_in <= 10.3
 
 
+@pytest.mark.evidence
 def test_no_words_of_a_report_overlap_on_screen_telephone_and_paper(
     ten, browser, watch, tmp_path, monkeypatch
 ):

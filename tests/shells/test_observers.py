@@ -97,6 +97,7 @@ def test_an_unknown_observer_is_refused_with_near_names(run, here, words):
     refused(outcome, "--observer", "cie-1964-10", subject="observer", value="cie-1964")
 
 
+@pytest.mark.evidence
 def test_a_study_has_an_observer(done, here):
     study = 'observer = "cie-2015-10"\n[[sensors]]\nname = "model-rgb-ircut"\n'
     (here / "study.toml").write_text(study)

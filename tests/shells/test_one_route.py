@@ -504,6 +504,7 @@ FURTHER = [
 ]
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("settings", FURTHER, ids=["curves", "pipeline"])
 def test_further_settings_of_an_analysis_are_the_same_by_every_route(settings):
     start = {"sensors": ("onyx-rgb-ircut",), "matrix": "kernel"}

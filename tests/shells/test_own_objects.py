@@ -299,6 +299,7 @@ def table(observer="cie-1931-2"):
     return held.wavelength_nm, held.values
 
 
+@pytest.mark.evidence
 def test_an_observer_of_the_numbers_of_cie_1931_gives_its_digits(done, here):
     csv_of(here / "mycmf.csv", *table(), ["x", "y", "z"])
     usual = numbers(cn.analyze("onyx-rgbw", lux=10, merit=True).to_dict())

@@ -41,6 +41,7 @@ def analyzed(**settings):
     return sensor
 
 
+@pytest.mark.evidence
 def test_the_colorchecker_in_a_file_gives_the_results_of_the_built_in_one(here):
     own, built_in = analyzed(chart=True, chart_file="chart.csv"), analyzed(chart=True)
     for mine, theirs in zip(own["chart"], built_in["chart"], strict=True):
@@ -51,6 +52,7 @@ def test_the_colorchecker_in_a_file_gives_the_results_of_the_built_in_one(here):
     assert errors[0] == pytest.approx(errors[1], abs=1e-9)
 
 
+@pytest.mark.evidence
 def test_a_chart_of_two_curves_has_the_errors_of_these_two_patches(here):
     own = analyzed(chart=True, chart_file=here / "two.csv")
     both = [analyzed(chart=True)["chart"][i] for i in (3, 14)]
@@ -100,6 +102,7 @@ def test_an_18_percent_gray_has_the_electrons_and_the_noise_of_eq_7():
     assert gray["color"]["mean_lux"]["Y"] == pytest.approx(0.18 * white["color"]["mean_lux"]["Y"])
 
 
+@pytest.mark.evidence
 def test_a_patch_leaves_the_chart_as_it_is():
     white, gray = analyzed(chart=True, space="lab"), analyzed(chart=True, space="lab", patch=0.18)
     for name in ("chart", "color_error_mean", "gray_noise"):
@@ -215,6 +218,7 @@ def test_commands_copied_as_a_study_keep_the_reflectances(run, here):
     assert (own.chart, own.patch) == ("two.csv", 0.5)
 
 
+@pytest.mark.evidence
 def test_a_patch_changes_no_number_of_the_camera_pipeline():
     (white,) = cn.analyze("onyx-rgb-ircut", time_ms=12, pipeline=True).to_dict()["sensors"]
     settings = {"time_ms": 12, "pipeline": True, "patch": 0.18}

@@ -87,6 +87,7 @@ def test_every_slider_moves_the_number_beside_it_the_question_the_drawings_and_t
     assert moved[-1] == "matrices.0"
 
 
+@pytest.mark.evidence
 def test_a_number_can_be_typed_stepped_and_given_back(page):
     field = page.get_by_label("Exposure time in ms")
     field.fill("3,5")
@@ -99,6 +100,7 @@ def test_a_number_can_be_typed_stepped_and_given_back(page):
     assert "time_ms" not in question["study"]["exposure"]
 
 
+@pytest.mark.evidence
 def test_steps_before_the_next_frame_all_count(page):
     field = page.get_by_label("Light level in lx")
     field.focus()
@@ -117,6 +119,7 @@ def test_steps_before_the_next_frame_all_count(page):
     until(page, "(one) => Number(document.activeElement.value) > one", one)
 
 
+@pytest.mark.evidence
 def test_what_is_no_number_is_told_beside_the_field_and_asked_of_nobody(page):
     before = state_of(page)
     field = page.get_by_label("f-number, as a number")
@@ -131,6 +134,7 @@ def test_what_is_no_number_is_told_beside_the_field_and_asked_of_nobody(page):
     assert row.locator(".fault").count() == 0
 
 
+@pytest.mark.evidence
 def test_a_number_out_of_reason_is_told_beside_its_control_until_it_is_mended(page, watch):
     watch.forgive("status of 400")
     field = page.get_by_label("Light level in lx")
@@ -155,6 +159,7 @@ CHOICES = [  # one after the other: label, value, key of the study and what it s
 ]
 
 
+@pytest.mark.evidence
 def test_every_choice_is_asked_for_and_drawn(page):
     for label, value, key, result in CHOICES:
         select = page.get_by_label(label, exact=True).and_(page.locator("select"))
@@ -165,6 +170,7 @@ def test_every_choice_is_asked_for_and_drawn(page):
         in_address(page, question["study"])
 
 
+@pytest.mark.evidence
 def test_a_choice_is_made_by_the_keyboard_alone(page):
     select = page.get_by_label("Color matrix")
     select.focus()
@@ -173,6 +179,7 @@ def test_a_choice_is_made_by_the_keyboard_alone(page):
     assert page.get_by_label("Weight of the noise").count() == 0
 
 
+@pytest.mark.evidence
 def test_another_light_is_typed(page):
     page.locator("select[data-where='light.illuminant']").select_option("other…")
     field = page.get_by_label("Another light")
@@ -181,6 +188,7 @@ def test_another_light_is_typed(page):
     assert question["study"]["light"]["illuminant"] == "3200K+0.5xLED850"
 
 
+@pytest.mark.evidence
 def test_the_terms_of_comparison_change_the_times(page):
     times = page.locator("#electrons td[data-key=time_ms]")
     assert len(set(times.all_inner_texts())) == 1
@@ -196,6 +204,7 @@ def test_the_terms_of_comparison_change_the_times(page):
     assert len(set(times.all_inner_texts())) == 3
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("way", ["mouse", "keyboard"])
 def test_sensors_are_added_moved_and_removed(page, way):
     def press(button):
@@ -222,6 +231,7 @@ def test_sensors_are_added_moved_and_removed(page, way):
     assert named("Move sensor 1 up").is_disabled()
 
 
+@pytest.mark.evidence
 def test_matrices_are_added_changed_moved_and_removed_by_the_keyboard(page):
     def press(name):
         page.get_by_role("button", name=name).focus()
@@ -243,6 +253,7 @@ def test_matrices_are_added_changed_moved_and_removed_by_the_keyboard(page):
     assert page.get_by_role("button", name="Remove matrix 1").is_disabled()
 
 
+@pytest.mark.evidence
 def test_ten_sensors_are_the_most(window):
     page = window({"study": {"sensors": [{"name": "onyx-rgb"}] * 8}, "look": {}})
     answer_to(page, page.get_by_role("button", name="Add a sensor").click)
@@ -260,6 +271,7 @@ LOOKS = [
 ]
 
 
+@pytest.mark.evidence
 def test_how_it_is_looked_at_changes_one_drawing_and_the_address_not_the_study(page):
     study = state_of(page)["study"]
     for label, part, value in LOOKS:
@@ -277,6 +289,7 @@ def test_how_it_is_looked_at_changes_one_drawing_and_the_address_not_the_study(p
         assert state_of(page)["study"] == study
 
 
+@pytest.mark.evidence
 def test_light_and_dark_can_be_chosen(page):
     paper = "getComputedStyle(document.querySelector('.panel')).backgroundColor"
     dark = page.get_by_role("radio", name="Dark")
@@ -293,6 +306,7 @@ def test_light_and_dark_can_be_chosen(page):
     page.wait_for_url(lambda _: state_of(page)["look"].get("theme") == "dark")
 
 
+@pytest.mark.evidence
 def test_back_and_forward_go_through_the_studies(page):
     first = shown(page)
     select = page.get_by_label("Color matrix")

@@ -78,6 +78,7 @@ def labels(panel):
     return panel.locator(".d-captions span").all_inner_texts()
 
 
+@pytest.mark.evidence
 def test_the_noisy_picture_stands_on_both_sides_until_the_denoised_one_has_come(window):
     page = window()
     panel = page.locator(PANEL)
@@ -122,6 +123,7 @@ def test_the_divider_goes_by_keys_from_the_denoised_to_the_noisy_picture(window)
     assert at == {"Home": 0.0, "ArrowRight": 0.01, "End": 1.0, "ArrowLeft": 0.99}
 
 
+@pytest.mark.evidence
 def test_the_method_is_in_the_address_and_none_gives_back_both_sensors(window):
     page = window()
     panel = page.locator(PANEL)

@@ -5,6 +5,7 @@ import pytest
 from shells.browser import answer_to, comes, framed, held, moved_by_key, state_of, until
 
 
+@pytest.mark.evidence
 def test_an_earlier_answer_stays_as_a_ghost_until_it_is_removed(page):
     ghosts = page.locator("[data-part=levels] .body .d-figure .d-ghost")
     assert ghosts.count() == 0
@@ -28,6 +29,7 @@ def test_an_earlier_answer_stays_as_a_ghost_until_it_is_removed(page):
     assert page.locator("#keep").is_disabled()
 
 
+@pytest.mark.evidence
 def test_every_table_opens_and_closes_by_keyboard_and_holds_what_is_drawn(page):
     toggles = page.get_by_role("button", name="Table:")
     assert toggles.count() == 8
@@ -46,6 +48,7 @@ def test_every_table_opens_and_closes_by_keyboard_and_holds_what_is_drawn(page):
     page.wait_for_url(lambda _: state_of(page)["look"].get("open") == ["stages"])
 
 
+@pytest.mark.evidence
 def test_every_equation_opens_by_keyboard_and_closes_with_the_focus_where_it_was(page):
     askers = page.locator("button.equation")
     assert askers.count() >= 9
@@ -109,6 +112,7 @@ def test_of_sixty_presses_the_last_is_shown_in_the_end_and_no_older_one_after_it
         assert all(text in fields[1] for text in row["text"])
 
 
+@pytest.mark.evidence
 def test_the_vectors_turn_by_arrows_and_by_hand_and_turn_back_with_home(page):
     solid = page.locator(".d-turning").first
     solid.scroll_into_view_if_needed()
@@ -134,6 +138,7 @@ def test_the_vectors_turn_by_arrows_and_by_hand_and_turn_back_with_home(page):
     assert page.evaluate("document.activeElement.classList.contains('d-turning')")
 
 
+@pytest.mark.evidence
 def test_the_picture_is_drawn_again_and_its_divider_moves_by_keyboard(page):
     panel = page.locator("[data-part=picture]")
     panel.scroll_into_view_if_needed()
@@ -158,6 +163,7 @@ def test_the_picture_is_drawn_again_and_its_divider_moves_by_keyboard(page):
     assert page.evaluate(at) != before
 
 
+@pytest.mark.evidence
 def test_a_picture_of_a_state_that_was_left_never_stands_under_the_one_before(page):
     panel = page.locator("[data-part=picture]")
     panel.scroll_into_view_if_needed()

@@ -85,6 +85,7 @@ def test_a_csv_of_a_chart_without_numbers_is_refused_in_one_sentence(client, que
     sentence_of(client.post("/api/csv", json={"study": STUDY, "part": "head"} | question), status)
 
 
+@pytest.mark.evidence
 def test_the_report_of_the_page_is_that_of_the_command_also_of_dropped_files(
     client, tmp_path, monkeypatch
 ):
@@ -99,6 +100,7 @@ def test_the_report_of_the_page_is_that_of_the_command_also_of_dropped_files(
     assert upload.split(":")[1].encode() not in page
 
 
+@pytest.mark.evidence
 def test_the_card_of_the_page_is_that_of_the_library_for_the_study_that_is_shown(client):
     study = ALONE | {"light": {"illuminant": "A", "level_lux": 20.0}, "matrices": ["lmmse"]}
     reply = card(client, **study)
@@ -142,6 +144,7 @@ def as_told(table, row, columns=None):
     return [f"{table['head'][i]}: {table['rows'][row][i]}" for i in columns]
 
 
+@pytest.mark.evidence
 def test_values_are_read_by_key_pointer_and_touch_as_the_table_has_them(window, of):
     page = window({"study": STUDY, "look": {}})
     levels, stages, budget = (
@@ -167,6 +170,7 @@ def test_values_are_read_by_key_pointer_and_touch_as_the_table_has_them(window, 
     page.locator(".d-tip").wait_for(state="hidden")
 
 
+@pytest.mark.evidence
 def test_a_touch_reads_a_value_within_the_window(window, of):
     page = window(
         {"study": STUDY, "look": {}}, viewport={"width": 390, "height": 844}, has_touch=True
@@ -209,6 +213,7 @@ def stands_alone(text):
     return root
 
 
+@pytest.mark.evidence
 def test_every_chart_is_saved_as_svg_png_and_csv(window, of):
     study = STUDY | {"sweeps": [SWEEP]}
     page = window({"study": study, "look": {}}, color_scheme="dark")
@@ -242,6 +247,7 @@ def test_every_chart_is_saved_as_svg_png_and_csv(window, of):
     assert data.decode().count("\n") == 1 + 4 * 3
 
 
+@pytest.mark.evidence
 def test_a_channel_whose_name_has_a_control_character_is_saved(client, window):
     curves = SENSOR.replace(",R,", ",R\x01\x1b[1m,", 1)
     dropped = {"X-Filename": "odd.csv"} | FILE
@@ -251,6 +257,7 @@ def test_a_channel_whose_name_has_a_control_character_is_saved(client, window):
     assert any("R\ufffd\ufffd[1m" in (one.text or "") for one in root.iter(f"{SVG}text"))
 
 
+@pytest.mark.evidence
 def test_pictures_and_their_divided_view_are_saved(window):
     page = window({"study": STUDY, "look": {}})
     page.locator("section[data-part=picture]").scroll_into_view_if_needed()
@@ -267,6 +274,7 @@ def test_pictures_and_their_divided_view_are_saved(window):
         assert struct.unpack(">II", png[16:24]) == (across, height)
 
 
+@pytest.mark.evidence
 def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
     window, browser, report, tmp_path
 ):
@@ -309,6 +317,7 @@ def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
     assert wrong == []
 
 
+@pytest.mark.evidence
 def test_the_card_is_saved_from_the_page_under_the_hash_of_its_study(window):
     page = window({"study": ALONE, "look": {}})
     short = page.evaluate("document.documentElement.dataset.hash")[:8]
@@ -329,6 +338,7 @@ def test_a_file_that_cannot_be_made_is_refused_in_one_sentence(window, name):
     until(page, "() => document.getElementById('copied').textContent === 'Not today.'")
 
 
+@pytest.mark.evidence
 def test_axe_finds_no_fault_in_an_open_menu_and_beside_a_mark(window, axe):
     page = window({"study": STUDY, "look": {}})
     panel = "section[data-part=levels]"
@@ -344,6 +354,7 @@ def test_axe_finds_no_fault_in_an_open_menu_and_beside_a_mark(window, axe):
     assert opener.evaluate("(node) => node === document.activeElement")
 
 
+@pytest.mark.evidence
 def test_the_code_that_saves_is_loaded_when_it_is_used(window):
     page = window({"study": STUDY, "look": {}}, wait=False)
     loaded = []
@@ -405,6 +416,7 @@ def test_the_folder_of_a_job_goes_even_after_all_others():
     assert not folder.exists()
 
 
+@pytest.mark.evidence
 def test_a_label_is_words_at_the_pointer_in_saved_files_and_in_the_report(
     window, browser, tmp_path
 ):

@@ -130,6 +130,7 @@ def test_the_script_of_the_page_has_the_defaults_of_the_library():
     assert all(defaults[f"{part}.{key}"] == values[part][key] for part, key in asked)
 
 
+@pytest.mark.evidence
 def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):
     study = {"sensors": [{"name": "onyx-rgbw"}]}
     page = window({"study": study}, viewport={"width": 1280, "height": 400})  # few charts in sight
@@ -158,6 +159,7 @@ def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):
     assert not {"crosstalk", "crosstalk_stage"} & set(question["study"]["sensors"][0])
 
 
+@pytest.mark.evidence
 def test_a_value_of_the_pixel_goes_back_to_the_sensors_own(window):
     page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}})
     open_drawers(page)
@@ -184,6 +186,7 @@ def test_the_wheel_moves_the_slider_that_has_the_focus_and_no_other(window):
     assert question["study"]["exposure"]["f_number"] > 1.8
 
 
+@pytest.mark.evidence
 def test_a_file_is_chosen_or_typed_beside_its_control_and_taken_away(window, tmp_path):
     page = window({"study": {"sensors": [{"name": "onyx-rgb-ircut"}]}})
     open_drawers(page)

@@ -59,6 +59,7 @@ def names_in(parts):
     return [one["name"] for one in parts["numbers"]["sensors"]]
 
 
+@pytest.mark.evidence
 def test_a_click_loads_a_sensor_with_its_scene_and_the_page_computes_the_same_snr(cloud, front):
     page, panel = cloud()
     name = along(front)[1]
@@ -77,6 +78,7 @@ def test_a_click_loads_a_sensor_with_its_scene_and_the_page_computes_the_same_sn
     assert snr_y_db == pytest.approx(member.objectives["snr_y_db"], rel=1e-9)
 
 
+@pytest.mark.evidence
 def test_arrow_keys_move_along_the_front_and_enter_loads(cloud, front):
     page, panel = cloud()
     names, read = along(front), panel.locator(".d-read")
@@ -93,6 +95,7 @@ def test_arrow_keys_move_along_the_front_and_enter_loads(cloud, front):
     until(page, f"(told) => document.querySelector('{LOADED}').ariaLabel.includes(told)", names[-1])
 
 
+@pytest.mark.evidence
 def test_a_sensor_comes_beside_the_others_or_in_place_of_one_in_the_present_light(cloud, front):
     page, panel = cloud()
     names = along(front)
@@ -143,6 +146,7 @@ DROP = """([text]) => {
 }"""
 
 
+@pytest.mark.evidence
 def test_of_a_dropped_folder_the_front_is_shown_and_a_finger_loads_a_sensor(window, front):
     settings = {"viewport": {"width": 360, "height": 740}, "has_touch": True}
     page = window({"study": PAIR, "look": {}}, **settings)
@@ -154,6 +158,7 @@ def test_of_a_dropped_folder_the_front_is_shown_and_a_finger_loads_a_sensor(wind
     assert names_in(parts)[-1] == along(front)[0]
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize(("size", "scheme"), [((360, 740), "light"), ((1280, 900), "dark")])
 def test_axe_finds_no_fault_and_the_cloud_fits(cloud, axe, size, scheme):
     viewport = {"width": size[0], "height": size[1]}
@@ -172,6 +177,7 @@ def test_modules_of_the_front_are_loaded_with_one_alone(window):
     assert not [name for name in names if name.endswith(("cloud.js", "front.js", "/api/front"))]
 
 
+@pytest.mark.evidence
 def test_a_served_front_is_shown_and_an_invalid_one_ends_the_command(window, run, front, tmp_path):
     path = tmp_path / "front.json"
     path.write_text(front.as_json())

@@ -30,6 +30,7 @@ def box(page, selector):
     )
 
 
+@pytest.mark.evidence
 def test_the_first_screen_has_verdict_pictures_exposure_and_a_place_to_drop_a_file(window):
     page = window(viewport={"width": 1280, "height": 800})
     until(page, "() => document.querySelector('[data-part=picture] img')?.naturalWidth > 0")
@@ -50,6 +51,7 @@ def test_the_first_screen_has_verdict_pictures_exposure_and_a_place_to_drop_a_fi
     assert page.evaluate("scrollY") == 0
 
 
+@pytest.mark.evidence
 def test_the_panels_have_order_headings_and_captions_of_the_sections(window):
     page = window()
     told = page.locator("main > section.panel").evaluate_all(
@@ -79,6 +81,7 @@ def test_the_first_two_reasons_are_shown_and_a_button_shows_all(window):
     assert not reasons.last.is_visible()
 
 
+@pytest.mark.evidence
 def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(window):
     page = window({"study": study_with(MANY), "look": {}})
     ranking = drawing("head", shown(study_from_data(study_with(MANY), source="")))["ranking"]
@@ -107,6 +110,7 @@ def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(wind
     assert names.all_inner_texts() == MANY
 
 
+@pytest.mark.evidence
 def test_what_is_assumed_of_a_pixel_stands_in_words_beside_the_name_of_its_sensor(window):
     page = window({"study": study_with(["mt9v024-rgb", "onyx-rgb"]), "look": {}})
     cells = page.locator("#electrons tbody th")
@@ -119,6 +123,7 @@ def test_what_is_assumed_of_a_pixel_stands_in_words_beside_the_name_of_its_senso
     assert page.locator("#electrons small").inner_text() == "full well is assumed: 10,000 e\u207b"
 
 
+@pytest.mark.evidence
 def test_a_pinned_number_is_beside_the_number_and_not_over_it(window):
     page = window()
     cell = page.locator("#electrons td[data-key=luminance_db]").first
@@ -145,6 +150,7 @@ def test_a_pinned_number_is_beside_the_number_and_not_over_it(window):
     )
 
 
+@pytest.mark.evidence
 def test_on_a_phone_a_sheet_holds_the_controls_and_leaves_verdict_and_picture_in_sight(window, axe):
     page = window(**PHONE)
     until(page, "() => document.querySelector('[data-part=picture] img')?.naturalWidth > 0")
@@ -183,6 +189,7 @@ def test_on_a_phone_a_sheet_holds_the_controls_and_leaves_verdict_and_picture_in
         page.wait_for_function("width => document.documentElement.scrollWidth <= width", arg=width)
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("scheme", ["light", *dear("dark")])
 def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, scheme):
     size = {"width": 2560, "height": 1440}
@@ -193,6 +200,7 @@ def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, schem
     assert page.evaluate("document.documentElement.scrollWidth") <= 2560
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("width", [360, *dear(390, 480)])
 def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(window, width):
     page = window(viewport={"width": width, "height": 844})
@@ -203,6 +211,7 @@ def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(windo
     page.locator("#study .track").first.click(trial=True)
 
 
+@pytest.mark.evidence
 def test_up_to_three_sensors_stand_side_by_side_in_every_chart_with_a_panel_for_each(window):
     names = MANY[:3]
     page = window({"study": study_with(names), "look": {}}, viewport={"width": 1280, "height": 800})
@@ -227,6 +236,7 @@ BEGINS = """(picture) => {
 }"""
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("of", [*dear({"viewport": {"width": 1280, "height": 800}}), PHONE])
 def test_the_same_patches_stand_left_and_right_of_the_divider_wherever_it_is(window, of):
     page = window(**of)

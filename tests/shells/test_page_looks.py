@@ -75,6 +75,7 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     assert faults_of_access(page, axe, rules, within="#study") == []
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("scheme", [*dear("light"), "dark"])
 def test_axe_finds_no_fault_in_the_divider_between_noisy_and_denoised(window, axe, scheme):
     study = FULL["study"] | {"pictures": [{"denoise": "guided"}]}
@@ -87,6 +88,7 @@ def test_axe_finds_no_fault_in_the_divider_between_noisy_and_denoised(window, ax
     assert wider_than_their_panel(page) == []
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("size", SIZES, ids=str)
 @pytest.mark.parametrize("state", [*dear(None), FULL], ids=["default", "full"])
 def test_nothing_is_wider_than_the_window_and_no_words_of_a_drawing_overlap(window, size, state):
@@ -144,6 +146,7 @@ def cut_off(page):
     )
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("size", SIZES, ids=str)
 def test_a_unit_of_the_ellipses_is_as_long_across_as_up(window, size):
     width, height = size
@@ -185,6 +188,7 @@ def scales_of_the_ellipses(page):
     )
 
 
+@pytest.mark.evidence
 def test_dark_is_dark_and_light_is_light_as_the_system_wants_it(window):
     def brightness(page):
         return page.evaluate(
@@ -217,6 +221,7 @@ def test_on_paper_there_are_no_controls_but_all_drawings_and_the_tables_that_are
     assert 1 <= len(re.findall(rb"/Type\s*/Page\b", paper)) <= 8
 
 
+@pytest.mark.evidence
 def test_saturated_channels_say_so_in_words(window):
     page = window()
     field = page.get_by_label("Exposure time in ms")
@@ -237,6 +242,7 @@ def test_saturated_channels_say_so_in_words(window):
     assert "NaN" not in page.locator("main").inner_text()
 
 
+@pytest.mark.evidence
 def test_whoever_wants_to_skip_the_controls_can(window):
     page = window()
     page.keyboard.press("Tab")

@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from shells.browser import (
     answer_to,
     at_rest,
@@ -38,6 +40,7 @@ def mapped(page):
     return panel
 
 
+@pytest.mark.evidence
 def test_two_parameters_and_a_quantity_are_chosen_and_taken_away(window):
     page = window({"study": PAIR, "look": {}})
     panel = panel_of(page)
@@ -102,6 +105,7 @@ def test_a_cell_is_read_by_keyboard_and_by_pointing(window):
     assert read() == row(rows.last)
 
 
+@pytest.mark.evidence
 def test_a_map_is_never_asked_for_with_the_numbers(window):
     page = window({"study": PAIR | {"sweeps": [MAP]}, "look": {}})
     mapped(page)
@@ -118,6 +122,7 @@ def test_a_map_is_never_asked_for_with_the_numbers(window):
     assert all(want == ["map"] or "map" not in want for want in wanted)
 
 
+@pytest.mark.evidence
 def test_dropped_crosstalk_is_used_and_taken_away(window, tmp_path):
     page = window({"study": PAIR, "look": {}})
     path = tmp_path / "mix.csv"
@@ -137,6 +142,7 @@ def test_dropped_crosstalk_is_used_and_taken_away(window, tmp_path):
     assert page.locator(".file:visible").count() == 0
 
 
+@pytest.mark.evidence
 def test_a_file_that_two_readers_accept_is_asked_about_and_one_too_large_is_refused(
     window, tmp_path
 ):

@@ -44,6 +44,7 @@ def ghost_question(look):
     return is_it
 
 
+@pytest.mark.evidence
 def test_a_ghost_of_another_coordinate_never_stands_behind_the_levels(page):
     page.locator("#keep").click()
     page.get_by_label("Name of this pin").wait_for()
@@ -65,6 +66,7 @@ def test_a_ghost_of_another_coordinate_never_stands_behind_the_levels(page):
     assert ghosts.first.get_attribute("d") == at_y
 
 
+@pytest.mark.evidence
 def test_a_ghost_that_is_kept_while_the_coordinate_changes_is_asked_again(page):
     waiting = held(page, ghost_question({"coordinate": "Y"}))
     page.locator("#keep").click()
@@ -94,6 +96,7 @@ ODD = [
 ]
 
 
+@pytest.mark.evidence
 def test_a_link_with_values_of_another_kind_is_one_sentence_over_a_default_study_that_works(window):
     page = window({"study": {"sensors": PAIR}})
     result = page.locator("#broken")
@@ -119,6 +122,7 @@ def test_a_link_with_values_of_another_kind_is_one_sentence_over_a_default_study
     assert sent.value.post_data_json["study"]["sensors"][1]["name"] == "onyx-rgb-ircut"
 
 
+@pytest.mark.evidence
 def test_a_picture_is_captioned_with_the_sensor_that_it_was_taken_of(page):
     panel = page.locator("[data-part=picture]")
     panel.scroll_into_view_if_needed()
@@ -139,6 +143,7 @@ def test_a_picture_is_captioned_with_the_sensor_that_it_was_taken_of(page):
     )
 
 
+@pytest.mark.evidence
 def test_the_notes_of_a_picture_are_told_and_faults_with_status_200_are_sentences(page):
     panel = page.locator("[data-part=picture]")
     panel.scroll_into_view_if_needed()
@@ -169,6 +174,7 @@ def test_the_notes_of_a_picture_are_told_and_faults_with_status_200_are_sentence
 SAID = "[data-part=picture] .hint[role=status]"
 
 
+@pytest.mark.evidence
 def test_an_answer_that_turns_nothing_is_not_told_aloud_again(page):
     page.evaluate(
         """() => {
@@ -190,6 +196,7 @@ def test_an_answer_that_turns_nothing_is_not_told_aloud_again(page):
     until(page, "() => window.told === 1")
 
 
+@pytest.mark.evidence
 def test_how_a_lamps_file_was_read_goes_with_the_lamp(window):
     light = {"illuminant": "A", "level_lux": 4.0, "beyond": "hold"}
     page = window({"study": {"light": light, "sensors": PAIR}, "look": {}})
@@ -206,6 +213,7 @@ def test_how_a_lamps_file_was_read_goes_with_the_lamp(window):
     assert set(question["study"]["light"]) == {"illuminant", "level_lux"}
 
 
+@pytest.mark.evidence
 def test_another_sensor_in_its_place_keeps_the_pixel_the_filter_the_edge_and_the_shift(window):
     kept = {
         "pixel": {"read_noise_e": 3.0},
@@ -229,6 +237,7 @@ def test_another_sensor_in_its_place_keeps_the_pixel_the_filter_the_edge_and_the
     assert {key: sensor[key] for key in kept} == kept
 
 
+@pytest.mark.evidence
 def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     watch.forgive("status of 400")
     card = page.locator("fieldset.card").first
@@ -258,6 +267,7 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     assert label.is_hidden()
 
 
+@pytest.mark.evidence
 def test_a_slow_file_does_not_write_over_what_was_brought_after_it(page):
     def slow(request):
         return request.url.endswith("upload") and request.headers["x-filename"] == "slow.csv"
@@ -274,6 +284,7 @@ def test_a_slow_file_does_not_write_over_what_was_brought_after_it(page):
     assert "slow.csv" not in report.inner_text()
 
 
+@pytest.mark.evidence
 def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
     def slow(request):
         return request.url.endswith("answer") and "levels" in request.post_data_json["want"]
@@ -306,6 +317,7 @@ def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
     until(page, f"() => {dimmed} === 1")
 
 
+@pytest.mark.evidence
 def test_with_a_kernel_all_that_is_seen_comes_in_one_answer(window):
     study = EVERYTHING | {"matrices": ["kernel"]}
     page = window({"study": study, "look": {}}, viewport={"width": 1280, "height": 6000})
@@ -326,6 +338,7 @@ def test_a_trade_of_saturated_sensors_is_sentences_and_no_empty_frame(window):
     assert "onyx-rgbw" in body.inner_text()
 
 
+@pytest.mark.evidence
 def test_a_filter_is_written_before_its_sensor_and_its_fault_stands_beside_it(page):
     field = page.get_by_label("Filter on the sensor").first
     before = page.locator("#electrons").inner_text()
@@ -350,6 +363,7 @@ def test_a_filter_is_written_before_its_sensor_and_its_fault_stands_beside_it(pa
     assert "filter" not in study_of(page)["sensors"][0]
 
 
+@pytest.mark.evidence
 def test_the_page_shows_the_sentence_of_the_server_as_it_is(page):
     sentence = "two.npz must hold one array, but holds 2: a, b; the page has no control for key"
     fault = {"faults": [{"where": "file", "sentence": sentence}]}
@@ -368,6 +382,7 @@ def test_a_sensor_that_stands_there_twice_has_two_pictures_of_two_names(window):
     assert names[2] == "onyx-rgbw (2), noisy"
 
 
+@pytest.mark.evidence
 def test_a_wait_for_the_first_picture_is_told_in_its_place_with_the_reason(window):
     page = window(wait=False)
     waiting = held(page, lambda request: request.url.endswith("/api/picture"))

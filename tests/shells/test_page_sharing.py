@@ -95,6 +95,7 @@ DROP = """([name, content]) => {
 }"""
 
 
+@pytest.mark.evidence
 def test_a_cube_dropped_on_the_page_says_what_it_leaves_open_and_becomes_the_picture(window):
     page = window()
     packed_cube = io.BytesIO()
@@ -116,6 +117,7 @@ def test_a_cube_dropped_on_the_page_says_what_it_leaves_open_and_becomes_the_pic
     assert ends.locator("option:checked").inner_text() == "black"
 
 
+@pytest.mark.evidence
 def test_a_dropped_file_is_called_by_its_name_in_another_window_and_missed_on_another_server(
     window,
 ):
@@ -162,6 +164,7 @@ UNREADABLE = [
 ]
 
 
+@pytest.mark.evidence
 def test_a_file_that_cannot_be_read_is_told_beside_the_field_and_changes_nothing(window, watch):
     watch.forgive("status of 400")
     page = window()
@@ -178,6 +181,7 @@ def test_a_file_that_cannot_be_read_is_told_beside_the_field_and_changes_nothing
         assert shown(page) == before
 
 
+@pytest.mark.evidence
 def test_a_link_shows_the_same_study_and_the_same_numbers_in_another_window(window):
     one = window({"study": STUDY, "look": {"plane": "xy", "open": ["stages"]}})
     one.context.grant_permissions(["clipboard-read", "clipboard-write"])
@@ -267,6 +271,7 @@ def rows_of(kind, *sensors):
 BROKEN = ["%%%", "bm9wZQ", "e30", packed({"study": {"sensors": []}}), packed([1]), "a" * 9999]
 
 
+@pytest.mark.evidence
 def test_a_broken_link_is_told_in_a_sentence_over_the_default_study(window):
     page = window(BROKEN[0])
     result = page.locator("#broken")
@@ -286,6 +291,7 @@ def test_a_broken_link_is_told_in_a_sentence_over_the_default_study(window):
     answer_to(page, lambda: select.select_option("white-preserving"))
 
 
+@pytest.mark.evidence
 def test_two_windows_with_different_studies_do_not_mix(window):
     one = window({"study": STUDY | {"light": {"level_lux": 2.0}}, "look": {}})
     two = window({"study": STUDY | {"light": {"level_lux": 200.0}}, "look": {}})
@@ -308,6 +314,7 @@ def test_two_windows_with_different_studies_do_not_mix(window):
     assert seen[0] > 2.2 > seen[1]
 
 
+@pytest.mark.evidence
 def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, watch):
     watch.forgive("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET")
     with served() as (where, process):
@@ -331,6 +338,7 @@ def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, wa
             )
 
 
+@pytest.mark.evidence
 def test_in_a_narrow_window_a_dropped_file_opens_the_sheet_with_its_report(window):
     page = window(viewport={"width": 700, "height": 800})
     assert page.locator(".brought").is_hidden()

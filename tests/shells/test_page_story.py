@@ -129,6 +129,7 @@ def comes_to(page, number):
     )
 
 
+@pytest.mark.evidence
 def test_the_tour_has_an_end_is_left_by_a_slider_and_can_be_resumed(window):
     page = window()
     own = study_of(page)
@@ -189,6 +190,7 @@ def test_a_link_opens_the_tour_at_its_step(window):
     )
 
 
+@pytest.mark.evidence
 def test_sliders_keep_the_exposure_time_unless_auto_exposure_is_on(window):
     page = window()
     switch = page.get_by_role("switch", name="Auto exposure")
@@ -222,6 +224,7 @@ def test_sliders_keep_the_exposure_time_unless_auto_exposure_is_on(window):
     assert not share.is_disabled()
 
 
+@pytest.mark.evidence
 def test_a_light_that_ends_early_asks_how_it_continues_and_is_answered_at_once(window):
     page = window()
     before = study_of(page)

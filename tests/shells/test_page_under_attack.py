@@ -100,6 +100,7 @@ def tiff_of_zeros(megabytes):
     return held.getvalue()
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize(
     ("name", "made"), [("bomb.mat", mat_of_zeros), ("bomb.tif", tiff_of_zeros)]
 )
@@ -157,6 +158,7 @@ def test_a_damaged_file_of_any_format_is_answered_and_never_an_error_of_the_serv
     )
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize(
     ("change", "where"),
     [
@@ -616,6 +618,7 @@ def test_the_study_that_the_server_starts_with_is_not_computed_without_a_bound(m
     assert all(one["study"]["sensors"] != STUDY["sensors"] for one in computed)
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("stop", [signal.SIGKILL, *dear(signal.SIGINT, signal.SIGTERM)])
 def test_no_process_is_left_when_the_server_ends(stop):
     with served() as (address, process):

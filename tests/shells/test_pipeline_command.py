@@ -37,6 +37,7 @@ def pipeline_of(out):
     return sensor["pipeline"]
 
 
+@pytest.mark.evidence
 def test_json_has_the_digits_of_the_library(done):
     out, _ = done(*WORDS, "--json", "-")
     (outcome,) = cn.analyze("model-rgb-ircut").outcomes
@@ -57,6 +58,7 @@ def test_the_tables_show_patches_and_isos(done):
         assert part in out
 
 
+@pytest.mark.evidence
 def test_balance_by_illuminant_is_that_of_the_light_or_of_another(done, here):
     base = ("analyze", "model-rgb-ircut", "--pipeline", "--json", "-", "--white-balance")
     own, _ = done(*base, "illuminant")
@@ -112,6 +114,7 @@ def test_settings_without_the_pipeline_are_refused(run):
     )
 
 
+@pytest.mark.evidence
 def test_the_table_has_a_row_per_sensor_iso_and_patch_with_the_digits_of_the_json(done, here):
     out, _ = done(*WORDS, "--table", "noise.csv", "--json", "-")
     head, *rows = csv.reader((here / "noise.csv").read_text().splitlines())

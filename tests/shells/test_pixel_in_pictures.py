@@ -170,6 +170,7 @@ def test_a_picture_has_the_black_level_error_in_every_code(take):
     assert other["imperfections"]["black_error_e"] == 40
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize(
     ("options", "kinds"),
     [

@@ -170,6 +170,7 @@ def test_every_option_that_names_a_path_has_its_entry():
     assert path_options() == FILLS.keys() | WRITES_A_FILE | READS
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize(("name", "option"), cases(without=NEEDS_AN_EMPTY_FOLDER))
 def test_foreign_files_stay_through_a_first_a_second_and_a_resumed_run(
     ended, made_by, name, option

@@ -1,11 +1,14 @@
 """The ranking of many sensors on the terminal."""
 
+import pytest
+
 import chromanoise as cn
 from chromanoise.study.ranking import lead_sentences
 
 FIVE = ("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "onyx-rgbw-ircut", "model-rgb-ircut")
 
 
+@pytest.mark.evidence
 def test_the_terminal_shows_a_ranking_of_more_than_three_sensors_and_no_sentence_of_all_pairs(run):
     for command in ("analyze", "compare"):
         code, out, _ = run(command, *FIVE)

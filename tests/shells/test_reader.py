@@ -100,6 +100,7 @@ def test_a_file_without_pairs_is_refused(run, here, text):
     refused(run("analyze", "onyx-rgbw", "--reader", "machine", "--pairs", "pairs.csv"), "pairs.csv")
 
 
+@pytest.mark.evidence
 def test_a_comparison_of_separations_crosses_where_the_medians_do(done):
     out, _ = done(
         "compare", "onyx-rgbw", "onyx-rgb-ircut", "--quantity", "separation-without-brightness",
@@ -114,6 +115,7 @@ def test_a_comparison_of_separations_crosses_where_the_medians_do(done):
     assert medians[0] == pytest.approx(medians[1], rel=2e-3)
 
 
+@pytest.mark.evidence
 @pytest.mark.usefixtures("plain_report")
 def test_the_report_for_a_machine_has_the_medians_of_the_command(done, here):
     (here / "s.toml").write_text(

@@ -100,7 +100,7 @@ CASES = [
     ),
     case("analyze mt9m131", "1000 nm", "--beyond", **SENSOR),
     case("analyze ar0132at-rgbw", "--peak-qe", **SENSOR),
-    case("analyze nikon-d5100", "--energy", "--photons", **SENSOR),
+    case("analyze nikon-d5100-npl", "--energy", "--photons", **SENSOR),
     case("analyze onyx-rgbw --pairs none.csv", "none.csv"),
     case("catalog mt9v024", "mt9v024-rgbw", value="mt9v024"),
     case("catalog sensors --folder nowhere", "nowhere"),

@@ -92,6 +92,7 @@ def block(page):
     return json.loads(gzip.decompress(base64.b64decode(data)))
 
 
+@pytest.mark.evidence
 def test_the_file_asks_for_nothing_from_elsewhere(page):
     modules = re.findall(r"data:text/javascript;base64,([^\"]*)", page)
     assert len(modules) >= 9  # a drawing each, and what they share
@@ -329,6 +330,7 @@ def test_sensors_that_see_no_infrared_have_no_slider_for_it():
     assert [slide.key for slide in slides_of(shown(study))] == ["lux"]
 
 
+@pytest.mark.evidence
 def test_a_saturated_sensor_has_a_report_that_says_so():
     study = study_from_text(
         '[[sensors]]\nname = "onyx-rgb"\n[exposure]\ntime_ms = 500.0', source="t"
@@ -441,6 +443,7 @@ def cells(tab, part):
     )
 
 
+@pytest.mark.evidence
 def test_a_browser_draws_every_chart_from_disk(seen):
     for part in PARTS:
         if part != "head":
@@ -478,6 +481,7 @@ def test_sliders_answer_by_key_with_the_digits_of_the_library(seen, there):
     )
 
 
+@pytest.mark.evidence
 def test_it_prints_a_card_then_five_pages_and_the_tables_that_stand_open_but_no_sliders(seen):
     seen.emulate_media(media="print")
     paper = seen.pdf(format="A4", prefer_css_page_size=True)

@@ -135,6 +135,7 @@ def test_no_output_names_the_folders_above_the_project(run, made, project, tmp_p
         assert run("rerun", Path(folder) / "o", "-o", "again")[0] == 0  # from the project
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("name", ["study.json", "analysis-kernel.json", "pictures-1.json"])
 @pytest.mark.parametrize(
     "content",

@@ -457,6 +457,7 @@ def test_of_many_uploads_the_oldest_go():
     assert not folder.exists()
 
 
+@pytest.mark.evidence
 def test_two_hundred_questions_at_once_all_get_an_answer_and_the_server_lives(address):
     every = httpx.Limits(max_connections=200)
     with httpx.Client(base_url=address, timeout=600, limits=every) as many:
@@ -517,6 +518,7 @@ def test_serve_tells_its_address_answers_soon_and_ends_with_ctrl_c(tmp_path):
     assert (process.returncode, errors) == (0, "")
 
 
+@pytest.mark.evidence
 def test_a_server_started_with_sigint_ignored_ends_only_by_sigterm():
     with command("serve", "--port", 0, script=IGNORING, PYTHONUNBUFFERED="1") as process:
         address = process.stdout.readline().split()[0]

@@ -113,6 +113,7 @@ RUNNING = [
 LONG = ("denoising.md", "characterize.md", "own_matrix.md", "pixel_shares.md")
 
 
+@pytest.mark.evidence
 @pytest.mark.parametrize("path", dear_if(lambda path: path.name in LONG, RUNNING), ids=page_id)
 def test_every_block_of_a_page_runs_without_extras_and_prints_what_the_page_says(
     path, here, done, capsys, without_extras

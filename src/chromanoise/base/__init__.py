@@ -45,6 +45,7 @@ if TYPE_CHECKING:
         cholesky,
         congruence,
         covariance_root,
+        det,
         eigh,
         eigvalsh,
         inv,

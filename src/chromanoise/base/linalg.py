@@ -49,6 +49,7 @@ def _of_finite(solver: Callable[..., Any], what: str, *arrays: Array, **options:
 
 
 cholesky = partial(_of_finite, np.linalg.cholesky)
+det = partial(_of_finite, np.linalg.det)
 eigh = partial(_of_finite, np.linalg.eigh)
 eigvalsh = partial(_of_finite, np.linalg.eigvalsh)
 inv = partial(_of_finite, np.linalg.inv)

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         paled,
         sensor_label,
         sensor_lines as sensor_lines,
+        sensor_mark,
         shade_nir,
         write_beside,
         write_figures as write_figures,

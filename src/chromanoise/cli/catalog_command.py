@@ -38,7 +38,7 @@ _WIDTH = 100
 def catalog(
     word: str | None, folder: Path | None, markdown: str | None, json_target: str | None
 ) -> None:
-    """List sensors, illuminants, reflectances, filters and scenes, or show the entry NAME.
+    """List sensors, cameras, illuminants, reflectances, filters and scenes, or show the entry NAME.
 
     The environment variable CHROMANOISE_CATALOG names a folder of your own tables.
     """
@@ -106,7 +106,7 @@ def entry_as_text(entry: Entry) -> list[str]:
         "license": about.license,
         "done": about.done,
         "mosaic": about.mosaic,
-        "pixel": pixel_summary(entry) if about.kind == "sensor" else "",
+        "pixel": pixel_summary(entry) if about.is_sensor else "",
         "file": "" if entry.file is None else str(entry.file),
         "asks": "; ".join(entry.asks),
     }

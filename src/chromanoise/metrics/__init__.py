@@ -37,6 +37,9 @@ if TYPE_CHECKING:
         shapley_values as shapley_values,
         without_infrared,
     )
+    from chromanoise.metrics.distinguishable_colors import (
+        distinguishable_colors_bits as distinguishable_colors_bits,
+    )
     from chromanoise.metrics.fidelity import (
         OPPONENT_FROM_XYZ,
         EdgeLine as EdgeLine,

@@ -18,6 +18,7 @@ from chromanoise.base import (
     colour_science,
     frozen,
     lstsq,
+    solve,
     svd,
 )
 from chromanoise.color import (
@@ -232,7 +233,9 @@ PENALTY = 5.5
 """Slope of the index: SMI = 100 - 5.5 mean Delta E*ab."""
 
 _WHITE = np.ones(3)  # of patches that are white-balanced
-_FAINTEST = 1e-9  # Delta E*ab below which the gradient of the difference is set to 0
+_SOFTENINGS = (1e-1, 1e-3, 1e-5, 1e-7, 1e-9)  # Delta E*ab
+_MOST_STEPS = 50
+_SHORTEST = 1e-10  # share of a step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -285,7 +288,7 @@ def metamerism(
     Notes
     -----
     ISO 17321-1:2012, annex D: SMI = 100 - 5.5 mean Delta E*ab (CIE 1976). The matrix has 3 p free
-    entries: white is not preserved. Quasi-Newton steps start at least squares on XYZ.
+    entries: white is not preserved. Newton's steps start at least squares on XYZ.
 
     Examples
     --------
@@ -365,22 +368,42 @@ def _white_balanced(name: str, axes: Array, illuminant: Array, reflectance: Arra
 
 
 def _descended(raw: Array, wanted: Array, start: Array) -> Array:
-    """The matrix of least mean Delta E*ab near ``start``."""
-    from scipy.optimize import minimize
+    """The matrix of least mean Delta E*ab near ``start``.
 
-    def mean_error(entries: Array) -> tuple[float, Array]:
-        xyz = raw @ entries.reshape(start.shape).T
-        missed = cielab(xyz, _WHITE) - wanted
-        length = np.linalg.norm(missed, axis=-1)
-        far = length > _FAINTEST
-        direction = missed / np.where(far, length, 1.0)[:, None] * far[:, None]
-        uphill = np.einsum("ml,mlx,mp->xp", direction, LAB.jacobian(xyz, _WHITE), raw)
-        return float(length.mean()), uphill.ravel() / len(raw)
+    The mean of lengths has kinks where a patch is exact, so each length is rounded off by a
+    softening that shrinks. Newton's steps leave out the curvature of CIELAB, which is small beside
+    that of the lengths.
+    """
+    matrix = start
+    for softening in _SOFTENINGS:
+        lengths, missed = _soft_lengths(raw, wanted, matrix, softening)
+        for _ in range(_MOST_STEPS):
+            slopes = np.einsum("mlx,mp->mlxp", LAB.jacobian(raw @ matrix.T, _WHITE), raw)
+            slopes = slopes.reshape(*missed.shape, -1)
+            along = np.einsum("ml,mla->ma", missed / lengths[:, None], slopes)
+            curved = np.einsum("mla,mlb,m->ab", slopes, slopes, 1 / lengths)
+            hessian = curved - np.einsum("ma,mb,m->ab", along, along, 1 / lengths)
+            damped = hessian + (1e-12 * np.trace(curved) + 1e-300) * np.eye(start.size)
+            step = solve("matrix of least Delta E*ab", damped, along.sum(axis=0))
+            share, before = 1.0, lengths.mean()
+            while share > _SHORTEST:
+                tried = matrix - share * step.reshape(start.shape)
+                lengths, missed = _soft_lengths(raw, wanted, tried, softening)
+                if lengths.mean() <= before:
+                    matrix = tried
+                    break
+                share /= 2
+            if before - lengths.mean() < 1e-14 * before:
+                break
+    return matrix
 
-    entries = start.ravel()
-    for _ in range(4):  # restart with a new Hessian estimate: the mean of lengths has kinks
-        entries = minimize(mean_error, entries, jac=True, method="BFGS", options={"gtol": 1e-9}).x
-    return np.asarray(entries.reshape(start.shape))
+
+def _soft_lengths(
+    raw: Array, wanted: Array, matrix: Array, softening: float
+) -> tuple[Float[Array, " m"], Float[Array, "m 3"]]:
+    """(d^2 + softening^2)^(1/2) of the color differences d, and their three coordinates."""
+    missed = cielab(raw @ matrix.T, _WHITE) - wanted
+    return np.sqrt(np.sum(missed**2, axis=-1) + softening**2), missed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         DEFAULT_RULE,
         DEFAULT_SHARE,
         EQUAL_TERMS as EQUAL_TERMS,
+        FASTEST_F_NUMBER as FASTEST_F_NUMBER,
         Exposure as Exposure,
         OperatingPoint as OperatingPoint,
         band_weights as band_weights,

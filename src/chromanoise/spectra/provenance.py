@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from chromanoise.base import InputError, check
-from chromanoise.spectra.curves import Spectra
+from chromanoise.spectra.curves import Beyond, Spectra
 from chromanoise.spectra.readers import read_spectra_csv, small_text
 
-Kind = Literal["sensor", "illuminant", "reflectance", "filter", "scene", "part"]
+Kind = Literal["sensor", "camera", "illuminant", "reflectance", "filter", "scene", "part"]
 _LEVELS = ("absolute", "relative")
 _PERS = ("photon", "energy")
 _TEXTS = ("quantity", "unit", "source", "license", "defects")
 _REQUIRED = ("kind", "level", *_TEXTS)
-_OPTIONAL = ("done", "mosaic", "pattern", "carried_as")
-_OF_TABLES = (*_REQUIRED, "what", "per", "done", "mosaic", "pixel")
+_OPTIONAL = ("done", "mosaic", "pattern", "carried_as", "beyond")
+_OF_TABLES = (*_REQUIRED, "what", "per", "done", "mosaic", "pixel", "peak_qe", "beyond")
 _OF_THE_HOUSE = ("name", "names", "pattern", "range_nm", "carried_as", "channels")
 _ABSOLUTE = ("A/W", "e-/photon")  # units of an absolute response
 _PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
@@ -54,6 +54,11 @@ class Provenance:
     pixel, pixel_source
         For a sensor: the known values of its pixel, by the names of `chromanoise.sensor.Pixel`, and
         their source.
+    peak_qe
+        For relative curves of a sensor: the highest QE that is assumed; ``None`` if the user has
+        to give it. [e-/photon]
+    beyond
+        How a table of a sensor is extrapolated unless the user says otherwise.
     table
         The packaged table; empty for a formula.
     pattern
@@ -80,6 +85,8 @@ class Provenance:
     mosaic: str = ""
     pixel: Mapping[str, float]
     pixel_source: str = ""
+    peak_qe: float | None = None
+    beyond: Beyond = "refuse"
     table: str = ""
     pattern: str = ""
     range_nm: tuple[float, float] | None = None
@@ -95,8 +102,16 @@ class Provenance:
             raise InputError(
                 f"pixel of {self.name}", "must have a source, as every number of the catalog"
             )
-        if self.kind == "sensor":
+        if self.peak_qe is not None:
+            check.within(f"peak_qe of {self.name}", "e-/photon", self.peak_qe, 1e-3, 1.0)
+        check.among(f"beyond of {self.name}", self.beyond, get_args(Beyond))
+        if self.is_sensor:
             _refuse_contradiction(self)
+
+    @property
+    def is_sensor(self) -> bool:
+        """Whether its curves are those of a sensor, alone or in a camera."""
+        return self.kind in ("sensor", "camera")
 
 
 def _refuse_contradiction(provenance: Provenance) -> None:
@@ -229,6 +244,9 @@ def _checked(section: dict[str, Any], place: _Place, keys: tuple[str, ...]) -> N
     for key in _OPTIONAL:
         if not isinstance(section.get(key, ""), str):
             raise _refused(place, f"key {key!r}", "must be text", section[key])
+    peak = section.get("peak_qe", 1.0)
+    if isinstance(peak, bool) or not isinstance(peak, int | float):
+        raise _refused(place, "key 'peak_qe'", "must be a number", peak)
 
 
 def _text(section: dict[str, Any], key: str, place: _Place) -> str:
@@ -248,7 +266,8 @@ def _provenance(
     name: str, what: str, section: dict[str, Any], place: _Place, *, table: str = ""
 ) -> Provenance:
     pixel = dict(_pixel(section, place))
-    texts = {key: section[key] for key in (*_REQUIRED, "per", *_OPTIONAL) if key in section}
+    taken = (*_REQUIRED, "per", *_OPTIONAL, "peak_qe")
+    given = {key: section[key] for key in taken if key in section}
     source = section.get("pixel", {}).get("source", "") if pixel else ""
     return Provenance(
         name=name,
@@ -258,7 +277,7 @@ def _provenance(
         table=table,
         range_nm=_range(section.get("range_nm"), name),
         channels=tuple(section.get("channels", ())),
-        **texts,
+        **given,
     )
 
 

@@ -55,6 +55,12 @@ if TYPE_CHECKING:
         WhiteBalanceNoise as WhiteBalanceNoise,
         pipeline_noise as pipeline_noise,
     )
+    from chromanoise.study.cameras import (
+        AT_THE_SENSOR,
+        GRAY_LUX_S,
+        camera_pixel as camera_pixel,
+        saturation_electrons as saturation_electrons,
+    )
     from chromanoise.study.catalog import (
         KINDS,
         KNOWN_SENSORS as KNOWN_SENSORS,

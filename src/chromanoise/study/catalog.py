@@ -68,6 +68,7 @@ from chromanoise.spectra.tables import (
     packaged_table,
     sources,
 )
+from chromanoise.study.cameras import camera_pixel
 
 
 def unknown_name(
@@ -104,8 +105,8 @@ def _without_parameters(name: str) -> str:
     return re.sub("<[^>]*>", "", name).lower()
 
 
-DEVICE_NAMES = tuple(catalog_tables("sensor"))
-"""Sensors whose curves are copied from data sheets."""
+DEVICE_NAMES = (*catalog_tables("sensor"), *catalog_tables("camera"))
+"""Sensors with curves from data sheets, and measured cameras."""
 
 CAMERA_NAMES = tuple(
     name
@@ -146,7 +147,7 @@ def sensor_from_table(
         The curves of its channels.
     answers
         Metadata that the table lacks: extrapolation ``beyond`` its ends, ``peak_qe`` of relative
-        curves, ``per``.
+        curves, ``per``. They override what the provenance assumes.
     pixel
         Values that override those of the source, by the names of `Pixel`.
 
@@ -156,6 +157,10 @@ def sensor_from_table(
         If required metadata is missing, or a QE lies outside 0 .. 1.
     """
     named = replace(curves, source=provenance.name)
+    if answers.peak_qe is None and provenance.peak_qe is not None:
+        answers = replace(answers, peak_qe=provenance.peak_qe)
+    if answers.beyond == "refuse":
+        answers = replace(answers, beyond=provenance.beyond)
     qe = qe_of(_understood(provenance, named, answers), answers)
     refuse_outside(qe, high=1.0, remedy=Setting("peak_qe"))
     resampled = means_on_grid(qe, grid, beyond=answers.beyond)
@@ -326,10 +331,16 @@ def sensor_named(
     if name in _MAKERS:
         sensor = _MAKERS[name](grid)
         return replace(sensor, pixel=replace(sensor.pixel, **pixel))
-    is_device = name in DEVICE_NAMES
-    known = catalog_tables("sensor")[name] if is_device else formulas()[name]
-    curves = catalog_curves(known) if is_device else camera_curves(known)
-    return sensor_from_table(known, curves, grid, answers=answers, pixel=pixel)
+    if name in CAMERA_NAMES:
+        known = formulas()[name]
+        return sensor_from_table(known, camera_curves(known), grid, answers=answers, pixel=pixel)
+    known = next(one for one in sources().values() if one.name == name)
+    curves = catalog_curves(known)
+    sensor = sensor_from_table(known, curves, grid, answers=answers, pixel=pixel)
+    if known.kind != "camera":
+        return sensor
+    own = {**camera_pixel(sensor), **pixel}
+    return sensor_from_table(known, curves, grid, answers=answers, pixel=own)
 
 
 def _onyx_ir_cut(grid: Grid) -> Float[Array, " n"]:
@@ -338,6 +349,7 @@ def _onyx_ir_cut(grid: Grid) -> Float[Array, " n"]:
 
 KINDS: Mapping[str, str] = {
     "sensors": "sensor",
+    "cameras": "camera",
     "illuminants": "illuminant",
     "reflectances": "reflectance",
     "filters": "filter",
@@ -555,7 +567,7 @@ def _as_json(entry: Entry) -> dict[str, Any]:
         "curves": list(entry.channels),
         "file": None if entry.file is None else str(entry.file),
     }
-    if provenance.kind == "sensor":
+    if provenance.is_sensor:
         data["mosaic"] = provenance.mosaic or None
         data["pixel"] = {**provenance.pixel, "told": pixel_summary(entry)}
     return data
@@ -601,9 +613,10 @@ def _of_table(provenance: Provenance, curves: Spectra) -> Entry:
 def _asks(provenance: Provenance, start_nm: float | None, stop_nm: float | None) -> Iterator[str]:
     first, last = DEFAULT_GRID.wavelength_nm[[0, -1]]
     option = "--illuminant-beyond" if provenance.kind == "illuminant" else "--beyond"
-    if (start_nm or first) > first or (stop_nm or last) < last:
+    ends = (start_nm or first) > first or (stop_nm or last) < last
+    if ends and provenance.beyond == "refuse":
         yield option
-    if provenance.kind == "sensor" and provenance.level == "relative":
+    if provenance.is_sensor and provenance.level == "relative" and provenance.peak_qe is None:
         yield "--peak-qe"
-    if provenance.kind == "sensor" and provenance.quantity == "response" and provenance.per is None:
+    if provenance.is_sensor and provenance.quantity == "response" and provenance.per is None:
         yield "--energy or --photons"

@@ -1,0 +1,58 @@
+"""``chromanoise league``."""
+
+from typing import Any
+
+import click
+
+from chromanoise.apps.league import DEFAULT_ISO, RANKED, league as league_of
+from chromanoise.cli.options import command, own_option, table_option
+from chromanoise.cli.output import (
+    json_option,
+    json_text,
+    print_lines,
+    refuse_taken_inputs,
+    table_text,
+    write_outputs,
+)
+from chromanoise.cli.terminal_tables import print_table
+
+_SHOWN = 3  # ISO speeds in the table on a terminal
+
+
+@command()
+@click.argument("sensors", nargs=-1, metavar="[SENSOR]...")
+@own_option(
+    "--iso",
+    default=DEFAULT_ISO,
+    show_default=True,
+    metavar="FIRST:LAST|A,B,...",
+    help="ISO speeds: a range in whole stops, or a list.",
+)
+@own_option(
+    "--sort",
+    "by",
+    type=click.Choice([one.name for one in RANKED]),
+    default=RANKED[0].name,
+    show_default=True,
+    help="The number by which the cameras are sorted, the best first.",
+)
+@table_option
+@json_option
+def league(
+    sensors: tuple[str, ...], iso: str, by: Any, table: str | None, json_target: str | None
+) -> None:
+    """Rank the cameras of the catalog, with each SENSOR among them.
+
+    Color SNR loss, color error, SMI and distinguishable colors at equal saturation, and visual
+    noise at equal light on equal area for each ISO speed. SENSOR is as in `chromanoise analyze`,
+    with 3 channels or more.
+    """
+    refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, {})
+    result = league_of(*sensors, iso=iso, by=by)
+    write_outputs(
+        (table, lambda: table_text(result.to_table(), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
+    if json_target != "-":
+        print_lines(result.sentences)
+        print_table(result.short_table(_SHOWN))
