@@ -271,7 +271,7 @@ def _of_filters(sensor: Sensor) -> _OfFilters:
         color_error=error,
         smi=sensor_metamerism(quiet).index,
         colors_bits=distinguishable_colors_bits(
-            _blocks_e(quiet, level_lux, AT_THE_SENSOR), read_noise_e=0.0, nodes=_NODES
+            _blocks_e(quiet, level_lux, AT_THE_SENSOR), read_noise_e=0.0
         ),
     )
 
@@ -417,7 +417,7 @@ def league(
     speeds = iso_speeds(iso)
     cameras = _cameras(speeds)
     own = [_own(word, speeds) for word in sensors]
-    check.distinct("sensors", [one.name for one in (*cameras, *own)])
+    check.distinct("sensors", [one.name for one in own])
     order = check.one_of("by", by, [one.name for one in RANKED])
     ranked = [_ranked(one, cameras) for one in cameras]
     return League(

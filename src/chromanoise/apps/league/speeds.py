@@ -1,5 +1,6 @@
 """ISO speeds of a league: single ones, or a range in whole stops."""
 
+import math
 from collections.abc import Sequence
 
 from chromanoise.base import InputError, check
@@ -28,9 +29,8 @@ def iso_speeds(given: str | float | Sequence[float]) -> tuple[float, ...]:
     """
     if isinstance(given, str) and ":" in given:
         first, last = (_speed(part) for part in _two(given))
-        speeds = [first]
-        while speeds[-1] * 2 <= last * (1 + 1e-9):
-            speeds.append(2 * speeds[-1])
+        stops = math.log2(last / first)
+        speeds = [first * 2**i for i in range(math.floor(stops + 1e-9) + 1)]
     elif isinstance(given, str):
         speeds = [_speed(part) for part in given.split(",")]
     else:

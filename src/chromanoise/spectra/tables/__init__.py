@@ -29,7 +29,7 @@ def _of_camera(shared: Provenance, facts: "CameraFacts") -> Provenance:
     return replace(
         shared,
         name=facts.name,
-        what=f"{facts.camera}: {size}, base ISO {facts.base_iso}, {noise}; by {facts.laboratory}",
+        what=f"{facts.camera} ({facts.year}): {size}, base ISO {facts.base_iso}, {noise}; by {facts.laboratory}",
         defects=f"{shared.defects}; {facts.defect}" if facts.defect else shared.defects,
         mosaic=facts.mosaic,
         pixel=pitch,
@@ -91,6 +91,8 @@ class CameraFacts:
         The name in the catalog.
     camera
         Maker and model.
+    year
+        When it came to market.
     laboratory
         Who measured its curves.
     pitch_um
@@ -105,6 +107,7 @@ class CameraFacts:
 
     name: str
     camera: str
+    year: int
     laboratory: str
     pitch_um: float | None
     base_iso: int
@@ -120,6 +123,7 @@ def camera_facts() -> Mapping[str, CameraFacts]:
         row["name"]: CameraFacts(
             name=row["name"],
             camera=row["camera"],
+            year=int(row["year"]),
             laboratory=row["laboratory"],
             pitch_um=float(row["pitch_um"]) if row["pitch_um"] else None,
             base_iso=int(row["base_iso"]),
