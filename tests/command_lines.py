@@ -106,6 +106,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "denoise-bench.cameras": ["onyx-rgbw", "onyx-rgb-ircut:bayer"],
     "denoise-bench.methods": ["guided", "lmmse"],
     "denoise-bench.demosaic": ["bilinear"],
+    "league.iso": ["100:25600", "800", "100,400"],
     "crop": ["24", "32"],
     "processes": ["1"],
     "characterize.frames": ["shots", "shots/capture.toml"],

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.stats import spearmanr
 
-from chromanoise.apps.league import RANKED, Standing, league
 from chromanoise.spectra.tables import camera_facts
+from chromanoise.study import RANKED, LeagueEntry, league
 
 PERIODS = ((2004, 2009), (2010, 2016), (2017, 2025))
 
@@ -34,7 +34,7 @@ def main() -> None:
         print(f"ISO {iso:g}: visual noise of {len(noise)} {min(noise):.2f} to {max(noise):.2f}")
 
 
-def _noise(standing: Standing, i: int) -> float | None:
+def _noise(standing: LeagueEntry, i: int) -> float | None:
     return standing.iso[i].visual_noise
 
 

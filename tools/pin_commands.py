@@ -171,6 +171,9 @@ analyze onyx-rgbw --matrix ridge
 analyze onyx-rgbw --saturate 0.5 --time-ms 3
 analyze onyx-rgbw --table t.xls
 card onyx-rgb -o card.gif
+league onyx-rgbw --iso 800,6400 --sort color_error --json -
+league --iso 400
+league --iso 5:1
 compare onyx-rgbw --sweep lux=10:1
 compare onyx-rgbw --sweep luxury=1:2
 compare onyx-rgbw --sweep lux=1:2 --lux 3

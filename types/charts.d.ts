@@ -24,7 +24,7 @@ export interface Column {
 }
 
 export interface Panel {
-  marks: (Line | Point | Ellipses | Area | Band | Rule | Bars | Dots | Swatches | Cells)[];
+  marks: (Line | Point | Cloud | Ellipses | Area | Band | Rule | Bars | Dots | Swatches | Cells)[];
   x: Axis;
   y: Axis;
   title: string;
@@ -57,6 +57,15 @@ export interface Point {
   text: string;
   sensor: number;
   kind: "point";
+}
+
+export interface Cloud {
+  x: number;
+  y: number;
+  first: number;
+  last: number;
+  name: string;
+  kind: "cloud";
 }
 
 export interface Ellipses {

@@ -62,7 +62,6 @@ if TYPE_CHECKING:
         characterize as characterize,
     )
     from chromanoise.apps.design import Design as Design, Sensitivity as Sensitivity
-    from chromanoise.apps.league import League as League, league as league
     from chromanoise.base import InputError as InputError, Setting as Setting
     from chromanoise.color import ColorMatrix as ColorMatrix
     from chromanoise.io import read_curves as read_curves
@@ -86,11 +85,13 @@ if TYPE_CHECKING:
         Comparison as Comparison,
         ComparisonMap as ComparisonMap,
         DenoisedPicture as DenoisedPicture,
+        League as League,
         Matrices as Matrices,
         MatrixResult as MatrixResult,
         Pictures as Pictures,
         Results as Results,
         Study as Study,
+        league as league,
         read_study as read_study,
         sensor_named as sensor_named,
         study_from_data as study_from_data,
@@ -101,7 +102,6 @@ register_above(
     figures="chromanoise.charts",
     camera="chromanoise.apps.camera",
     design="chromanoise.apps.design",
-    league="chromanoise.apps.league",
 )
 
 __getattr__, _, __all__ = lazy_names(__name__)

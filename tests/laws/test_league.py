@@ -9,13 +9,21 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from chromanoise.apps.league import DEFAULT_ISO, RANKED, iso_speeds, league
 from chromanoise.color import cielab
 from chromanoise.metrics import pair_distances
 from chromanoise.noise import Exposure, expected_electrons, with_noise
 from chromanoise.spectra import Grid, Scene, colorchecker, illuminant_named
 from chromanoise.spectra.tables import packaged_table
-from chromanoise.study import Viewing, camera_pixel, noise_as_viewed, sensor_named
+from chromanoise.study import (
+    DEFAULT_ISO,
+    RANKED,
+    Viewing,
+    camera_pixel,
+    iso_speeds,
+    league,
+    noise_as_viewed,
+    sensor_named,
+)
 from laws.test_cameras import FIVE, SHARED, curves_of, measured
 from outcomes import refused_input
 

@@ -1,8 +1,7 @@
 """Applications: users of the library, whose names may change in any release.
 
 `camera` measures noise from frames, `design` searches sensors, `training` makes noisy training
-data, `denoising_benchmark` compares denoisers, `league` ranks cameras, `paper` reproduces the
-paper.
+data, `denoising_benchmark` compares denoisers, `paper` reproduces the paper.
 """
 
 from typing import TYPE_CHECKING
@@ -14,7 +13,6 @@ if TYPE_CHECKING:
         camera as camera,
         denoising_benchmark as denoising_benchmark,
         design as design,
-        league as league,
         paper as paper,
         training as training,
     )

@@ -158,6 +158,28 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Cloud:
+    """Points that belong to no sensor of the study, as a background.
+
+    Attributes
+    ----------
+    x, y
+        Indices of its columns.
+    first, last
+        Its rows, without the last.
+    name
+        What they are.
+    """
+
+    x: int
+    y: int
+    first: int
+    last: int
+    name: str
+    kind: Literal["cloud"] = "cloud"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Ellipses:
     """Ellipses around measured values, each with a cross at its true value.
 
@@ -353,7 +375,7 @@ class Cells:
     kind: Literal["cells"] = "cells"
 
 
-Mark = Line | Point | Ellipses | Area | Band | Rule | Bars | Dots | Swatches | Cells
+Mark = Line | Point | Cloud | Ellipses | Area | Band | Rule | Bars | Dots | Swatches | Cells
 """What a panel can show, drawn in the order of its list."""
 
 

@@ -16,6 +16,7 @@ from chromanoise.charts.description import (
     Bars,
     Cells,
     Chart,
+    Cloud,
     Ellipses,
     Line,
     Panel,
@@ -81,6 +82,9 @@ def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
     for mark in panel.marks:
         if isinstance(mark, Point):
             _draw_point(chart, mark, ax)
+        elif isinstance(mark, Cloud):
+            x, y = (numbers(chart, i, mark.first, mark.last) for i in (mark.x, mark.y))
+            ax.plot(x, y, ".", color=QUIET, alpha=0.6, label=mark.name)
         elif isinstance(mark, Ellipses):
             _draw_ellipses(chart, mark, ax)
         elif isinstance(mark, Cells):
@@ -93,7 +97,7 @@ def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
         shade_nir(ax, panel.x.high)
         for c in range(len(curves)):
             _write_letter(chart, curves, c, ax)
-    elif any(one.name for one in curves):
+    elif any(one.name for one in curves) or any(isinstance(one, Cloud) for one in panel.marks):
         _name_curves(chart, panel, curves, ax)
     return ax
 

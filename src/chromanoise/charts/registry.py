@@ -14,6 +14,7 @@ from chromanoise.charts.color_checker import drawn_chart
 from chromanoise.charts.description import Chart, as_data, csv_rows
 from chromanoise.charts.ellipses import drawn_ellipses
 from chromanoise.charts.heat_map import drawn_map
+from chromanoise.charts.league import drawn_league
 from chromanoise.charts.levels import drawn_levels
 from chromanoise.charts.pareto_curves import drawn_pareto
 from chromanoise.charts.sensitivities import drawn_sensitivities
@@ -120,6 +121,13 @@ SECTIONS: tuple[Section, ...] = (
         explanations=("pareto",),
     ),
     Section(
+        part="league",
+        heading="Among 52 cameras",
+        shows="Each point is a measured camera: what its color matrix costs in SNR, and how far "
+        "its colors are off. The light is D50; only the filters count.",
+        explanations=("price", "color"),
+    ),
+    Section(
         part="sensitivities",
         heading="Sensitivities",
         shows="The quantum efficiency of each channel, and the light; the near infrared is shaded.",
@@ -140,6 +148,7 @@ PARTS: Mapping[str, Callable[[Shown, Look], Chart | dict[str, Any]]] = {
     "levels": drawn_levels,
     "chart": drawn_chart,
     "pareto": drawn_pareto,
+    "league": drawn_league,
 }
 """Names of the charts of every study."""
 DRAWINGS: Mapping[str, Callable[[Shown, Look], Chart | dict[str, Any]]] = {

@@ -4,7 +4,6 @@ from typing import Any
 
 import click
 
-from chromanoise.apps.league import DEFAULT_ISO, RANKED, league as league_of
 from chromanoise.cli.options import command, own_option, table_option
 from chromanoise.cli.output import (
     json_option,
@@ -15,6 +14,7 @@ from chromanoise.cli.output import (
     write_outputs,
 )
 from chromanoise.cli.terminal_tables import print_table
+from chromanoise.study import DEFAULT_ISO, RANKED, league as league_of
 
 _SHOWN = 3  # ISO speeds in the table on a terminal
 

@@ -233,7 +233,7 @@ PENALTY = 5.5
 """Slope of the index: SMI = 100 - 5.5 mean Delta E*ab."""
 
 _WHITE = np.ones(3)  # of patches that are white-balanced
-_SOFTENINGS = (1e-1, 1e-3, 1e-5, 1e-7, 1e-9)  # Delta E*ab
+_SOFTENINGS = (1e-2, 1e-5, 1e-9)  # Delta E*ab
 _MOST_STEPS = 50
 _SHORTEST = 1e-10  # share of a step
 

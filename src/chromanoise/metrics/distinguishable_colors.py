@@ -73,20 +73,20 @@ def distinguishable_colors_bits(
         raise InputError(
             "blocks_e", "must reach every channel where there is no read noise", value=0.0
         )
-    reader = matrix
-    if matrix is None and channels == count:  # which no invertible matrix changes
-        reader = np.eye(count)
-    elif matrix is not None:
+    seen = blocks
+    if matrix is not None:
         reader = check.finite("matrix", "1/e-", matrix)
         check.same_length("rows", matrix=len(reader), blocks=count)
-    seen = blocks if reader is None else reader @ blocks
+        seen = reader @ blocks
     lengths = np.linalg.norm(seen, axis=0)
     columns = seen / np.where(lengths > 0, lengths, 1.0)
     if matrix_rank("blocks seen by the reader", columns, tol=RANK_TOLERANCE) < count:
         return -np.inf
     at, weights = _rule(count, nodes)
     variance_e2 = at @ blocks.T + floor_e2
-    if reader is None:
+    if matrix is None and channels == count:  # det(B^T D^-1 B) = det(B)^2 / det(D)
+        volume = abs(det("blocks", blocks)) / np.sqrt(variance_e2.prod(axis=-1))
+    elif matrix is None:
         information = np.einsum("pd,kp,pe->kde", blocks, 1 / variance_e2, blocks)
         volume = np.sqrt(det("Fisher information", information))
     else:

@@ -46,6 +46,18 @@ if TYPE_CHECKING:
         unresolved as unresolved,
         with_distinct_names,
     )
+    from chromanoise.study.camera_league import (
+        DEFAULT_ISO,
+        OF_FILTERS,
+        RANKED,
+        AtIso as AtIso,
+        League as League,
+        LeagueEntry as LeagueEntry,
+        Ranked as Ranked,
+        iso_speeds as iso_speeds,
+        league as league,
+        league_of,
+    )
     from chromanoise.study.camera_pipeline import (
         BASE_ISO as BASE_ISO,
         GainStep as GainStep,
@@ -56,8 +68,6 @@ if TYPE_CHECKING:
         pipeline_noise as pipeline_noise,
     )
     from chromanoise.study.cameras import (
-        AT_THE_SENSOR,
-        GRAY_LUX_S,
         camera_pixel as camera_pixel,
         saturation_electrons as saturation_electrons,
     )

@@ -165,22 +165,25 @@ def sensor_from_table(
     refuse_outside(qe, high=1.0, remedy=Setting("peak_qe"))
     resampled = means_on_grid(qe, grid, beyond=answers.beyond)
     known = {**provenance.pixel, **pixel}
-    own = replace(PAPER_PIXEL, **known)
-    return Sensor(
+    sensor = Sensor(
         name=provenance.name,
         grid=grid,
         qe=resampled.values,
         names=resampled.names,
-        pixel=own,
+        pixel=replace(PAPER_PIXEL, **known),
         mosaic=mosaic_named(provenance.mosaic) if provenance.mosaic else None,
         origin="measured",
-        notes=(
-            provenance.source,
-            *([] if provenance.defects.strip(" .").lower() == "none" else [provenance.defects]),
-            *assumed_pixel(provenance.name, own, known),
-            *resampled.notes,
-        ),
     )
+    if provenance.kind == "camera":
+        known = {**camera_pixel(sensor), **known}
+        sensor = replace(sensor, pixel=replace(sensor.pixel, **known))
+    notes = (
+        provenance.source,
+        *([] if provenance.defects.strip(" .").lower() == "none" else [provenance.defects]),
+        *assumed_pixel(provenance.name, sensor.pixel, known),
+        *resampled.notes,
+    )
+    return replace(sensor, notes=notes)
 
 
 def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> ParsedSpectra:
@@ -335,12 +338,7 @@ def sensor_named(
         known = formulas()[name]
         return sensor_from_table(known, camera_curves(known), grid, answers=answers, pixel=pixel)
     known = next(one for one in sources().values() if one.name == name)
-    curves = catalog_curves(known)
-    sensor = sensor_from_table(known, curves, grid, answers=answers, pixel=pixel)
-    if known.kind != "camera":
-        return sensor
-    own = {**camera_pixel(sensor), **pixel}
-    return sensor_from_table(known, curves, grid, answers=answers, pixel=own)
+    return sensor_from_table(known, catalog_curves(known), grid, answers=answers, pixel=pixel)
 
 
 def _onyx_ir_cut(grid: Grid) -> Float[Array, " n"]:

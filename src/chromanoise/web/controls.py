@@ -342,9 +342,11 @@ def _parameter(method: MatrixMethod) -> dict[str, Any]:
 
 
 def _sensors() -> list[dict[str, Any]]:
-    """Sensors of the catalog that need no further settings."""
+    """Sensors and cameras of the catalog that need no further settings."""
     found = []
-    for entry in catalog_entries("sensors", folder=catalog_folder()):
+    folder = catalog_folder()
+    of_sensors, cameras = (catalog_entries(kind, folder=folder) for kind in ("sensors", "cameras"))
+    for entry in (*of_sensors, *cameras):
         try:
             sensor = resolve_sensor(entry.provenance.name)
         except InputError:

@@ -9,7 +9,7 @@ import { areMany, caption, channelColor, legend, mark, markPath, notes, panelNam
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, line, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Area, Axis, Band, Chart, Ellipses, Line, Options, Panel, Point, Rule } from "answers" */
+/** @import { Area, Axis, Band, Chart, Cloud, Ellipses, Line, Options, Panel, Point, Rule } from "answers" */
 /** @import { Place } from "draw/hover.js" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {{ left: number, right: number, top: number, bottom: number }} Box */
@@ -176,7 +176,7 @@ function panel(own, i, view, { ghosts, options, beside, room }) {
   const of = chart.panels[i];
   const { x, y } = view;
   const [curves, rules] = [curvesOf(of), rulesOf(of)];
-  const areas = of.marks.flatMap((one) => (one.kind === "area" ? [area(own, one, view)] : one.kind === "band" ? [band(one, view)] : []));
+  const areas = of.marks.flatMap((one) => (one.kind === "area" ? [area(own, one, view)] : one.kind === "band" ? [band(one, view)] : one.kind === "cloud" ? [cloud(own, one, view)] : []));
   const nodes = [...areas, ...heading(own, i, view), ...axes(x, y, titles(of, view, areas.length > 0))];
   if (of.better) nodes.push(words(x.to - 4, y.from - 8, `better ${of.better}`, "d-quiet d-rim", "end"));
   const behind = ghosts.flatMap((ghost) => ghostMarks(ghost, chart.sensors[of.sensor ?? 0], of.sensor === null, view));
@@ -223,7 +223,7 @@ function heading({ chart, styleOf }, i, { left, top, each }) {
  * The points of a curve; `null` where one has no place.
  *
  * @param {Source} own
- * @param {Line | Area} one
+ * @param {Line | Area | Cloud} one
  * @param {View} view
  */
 function points({ at }, one, { x, y }) {
@@ -292,6 +292,16 @@ function area({ at }, one, { x, y }) {
   const height = (/** @type {number} */ value) => y.from + (y.to - y.from) * value * AREA;
   const top = Array.from({ length: one.last - one.first }, (_, k) => [x.at(at(one.x, one.first + k) ?? 0), height(at(one.y, one.first + k) ?? 0)]);
   return svg("path", { d: `${line([[x.from, y.from], ...top, [x.to, y.from]])}Z`, class: "d-light" });
+}
+
+/**
+ * @param {Source} own
+ * @param {Cloud} one
+ * @param {View} view
+ */
+function cloud(own, one, view) {
+  const d = points(own, one, view).map((at) => (at ? markPath(0, at[0], at[1], 3) : ""));
+  return svg("path", { d: d.join(""), class: "d-cloud" });
 }
 
 /**
@@ -631,6 +641,8 @@ function places(own, i, view) {
       const at = pointAt(own, one, view);
       return at ? [{ x: at[0], y: at[1], row: one.row, series: one.sensor }] : [];
     }
+    if (one.kind === "cloud")
+      return points(own, one, view).flatMap((at, k) => (at ? [{ x: at[0], y: at[1], row: one.first + k, series: -1 }] : []));
     if (one.kind === "line")
       return points(own, one, view).flatMap((at, k) => {
         if (!at) return [];
@@ -658,6 +670,7 @@ function key({ chart, styleOf }, ghosts, beside) {
   const entries = first.marks.flatMap((one) => {
     if (one.kind === "area") return [{ drawn: [svg("path", { d: "M1 14C12 14 8 3 18 3S24 14 35 14Z", class: "d-light" })], name: one.name }];
     if (one.kind === "band") return [{ drawn: [svg("rect", { x: 1, y: 1, width: 34, height: 14, class: "d-nir" })], name: one.name }];
+    if (one.kind === "cloud") return [{ drawn: [svg("path", { d: markPath(0, 18, 8, 3), class: "d-cloud" })], name: one.name }];
     if (one.kind !== "line" || first.sensor !== null || beside) return [];
     const { look, dash, color, shape } = styleOf(one);
     const drawn = [svg("path", { d: "M1 8H35", class: look, "stroke-dasharray": dash || null, stroke: color })];

@@ -26,10 +26,11 @@ def _of_camera(shared: Provenance, facts: "CameraFacts") -> Provenance:
     speeds = [*camera_noise().get(facts.name, {})]
     noise = f"read noise at ISO {speeds[0]:g}-{speeds[-1]:g}" if speeds else "read noise unknown"
     size = f"{facts.pitch_um:g} um" if pitch else "pitch unknown"
+    parts = (size, f"base ISO {facts.base_iso}", noise, f"curves by {facts.laboratory}")
     return replace(
         shared,
         name=facts.name,
-        what=f"{facts.camera} ({facts.year}): {size}, base ISO {facts.base_iso}, {noise}; by {facts.laboratory}",
+        what=f"{facts.camera} ({facts.year}): {', '.join(parts)}",
         defects=f"{shared.defects}; {facts.defect}" if facts.defect else shared.defects,
         mosaic=facts.mosaic,
         pixel=pitch,

@@ -9,13 +9,12 @@ that of the pixels of one area, so that neither the lens nor the size of the pix
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
-from math import sqrt
+from math import floor, log2, sqrt
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
-from chromanoise.apps.league.speeds import DEFAULT_ISO, iso_speeds
 from chromanoise.base import (
     VERSION,
     Array,
@@ -55,16 +54,12 @@ from chromanoise.spectra import (
     on_grid,
 )
 from chromanoise.spectra.tables import camera_facts, packaged_table
-from chromanoise.study import (
-    AT_THE_SENSOR,
-    GRAY,
-    GRAY_LUX_S,
-    Viewing,
-    camera_pixel,
-    noise_as_viewed,
-    resolve_sensor,
-)
+from chromanoise.study.cameras import AT_THE_SENSOR, GRAY_LUX_S, camera_pixel
+from chromanoise.study.color_noise import GRAY, Viewing, noise_as_viewed
+from chromanoise.study.resolve_names import resolve_sensor
 
+DEFAULT_ISO = "100:25600"
+MOST_SPEEDS = 32
 GRID = Grid.uniform(400, 780, 5)
 """The curves of the cameras and the training set end at 780 nm; those of other sensors are cut."""
 LIGHT = "D50"
@@ -86,9 +81,9 @@ class Ranked:
     Attributes
     ----------
     name
-        Field of `Standing`.
+        Name of its field in a `LeagueEntry`.
     label, unit, digits
-        As those of `Column`.
+        Heading, unit and format of its numbers in tables.
     more_is_better
         Whether the best has the most.
     spread
@@ -144,8 +139,10 @@ class AtIso:
         ISO speed. [1]
     read_noise_e
         Of one pixel; ``None`` if unknown, and then all noise is. [e-]
+    saturated
+        Whether a channel saturates on a white; then there is no noise either.
     visual_noise
-        Of an 18 % gray as viewed; ``None`` where a channel saturates, too. [CIELUV]
+        Of an 18 % gray as viewed. [CIELUV]
     colors_bits
         Colors up to the white that the best reader tells apart. [bit]
     colors_of_matrix_bits
@@ -159,6 +156,7 @@ class AtIso:
 
     iso: float
     read_noise_e: float | None
+    saturated: bool = False
     visual_noise: float | None = None
     colors_bits: float | None = None
     colors_of_matrix_bits: float | None = None
@@ -167,7 +165,7 @@ class AtIso:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Standing:
+class LeagueEntry:
     """One sensor of a league.
 
     Attributes
@@ -192,7 +190,7 @@ class Standing:
     iso
         Noise at each ISO speed.
     notes
-        What is assumed.
+        Source of the curves, their defects, and what is assumed of the sensor.
     """
 
     KEYS: ClassVar[JsonKeys] = (
@@ -216,10 +214,14 @@ class Standing:
         return f"{self.ranks[by.name]}{'=' if self.ties[by.name] else ''}"
 
 
+OF_FILTERS = (
+    f"light {LIGHT}; white-preserving matrix of the 190 training patches of rawtoaces; "
+    f"{GRID.wavelength_nm[0]:g} to {GRID.wavelength_nm[-1]:g} nm"
+)
+"""What the numbers of filters hold for."""
 CONDITIONS = (
-    f"light {LIGHT}; white-preserving matrix of {TRAINING}; noise of {SIDE_UM:g} x {SIDE_UM:g} um, "
-    f"18 % gray at {GRAY_LUX_S:g}/ISO lx s on the sensor; = marks a tie within the spread of two "
-    "measurements of one camera"
+    f"{OF_FILTERS}; noise of {SIDE_UM:g} x {SIDE_UM:g} um, 18 % gray at {GRAY_LUX_S:g}/ISO lx s on "
+    "the sensor; = marks a tie within the spread of two measurements of one camera"
 )
 """What all numbers of a league hold for."""
 
@@ -281,8 +283,10 @@ def _at_iso(sensor: Sensor, iso: float, matrix: ColorMatrix, *, known: bool) -> 
     exposure = replace(AT_THE_SENSOR, time_s=_SHUTTER_S)
     level_lux = GRAY_LUX_S / GRAY / iso / _SHUTTER_S
     white_e = _white_e(sensor, level_lux, exposure)
-    if not known or saturated(white_e, sensor, exposure).any():
-        return AtIso(iso=iso, read_noise_e=sensor.pixel.read_noise_e if known else None)
+    full = bool(saturated(white_e, sensor, exposure).any())
+    if not known or full:
+        read_noise_e = sensor.pixel.read_noise_e if known else None
+        return AtIso(iso=iso, read_noise_e=read_noise_e, saturated=full)
     pixels = (SIDE_UM / sensor.pixel.pitch_um) ** 2
     dark_e2 = with_noise(np.zeros_like(white_e), sensor, exposure).variance.mean()
     dark_e = sqrt(pixels * dark_e2)
@@ -340,12 +344,12 @@ def _on_grid(sensor: Sensor) -> Sensor:
 
 
 @lru_cache(maxsize=4)
-def _cameras(speeds: tuple[float, ...]) -> tuple[Standing, ...]:
+def _cameras(speeds: tuple[float, ...]) -> tuple[LeagueEntry, ...]:
     """All cameras of the catalog, without ranks."""
     return tuple(_camera(name, facts.camera, speeds) for name, facts in camera_facts().items())
 
 
-def _camera(name: str, camera: str, speeds: tuple[float, ...]) -> Standing:
+def _camera(name: str, camera: str, speeds: tuple[float, ...]) -> LeagueEntry:
     sensor = _on_grid(resolve_sensor(name))
     filters = _of_filters(sensor)
     rows = []
@@ -360,16 +364,17 @@ def _camera(name: str, camera: str, speeds: tuple[float, ...]) -> Standing:
     return _standing(sensor, camera, filters, rows)
 
 
-def _own(word: str | Path | Sensor, speeds: tuple[float, ...]) -> Standing:
-    given = word if isinstance(word, Sensor) else resolve_sensor(str(word))
+def _own(given: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
     sensor = _on_grid(given)
     filters = _of_filters(sensor)
     rows = [_at_iso(sensor, iso, filters.matrix, known=True) for iso in speeds]
     return _standing(sensor, "", filters, rows)
 
 
-def _standing(sensor: Sensor, camera: str, filters: _OfFilters, rows: Sequence[AtIso]) -> Standing:
-    return Standing(
+def _standing(
+    sensor: Sensor, camera: str, filters: _OfFilters, rows: Sequence[AtIso]
+) -> LeagueEntry:
+    return LeagueEntry(
         name=sensor.label,
         camera=camera,
         **{one.name: getattr(filters, one.name) for one in RANKED},
@@ -395,7 +400,8 @@ def league(
     iso
         ISO speeds: ``100:25600`` in whole stops, ``100,400``, or numbers.
     by
-        The number of `RANKED` by which cameras and sensors are sorted, the best first.
+        The number by which the cameras are sorted, the best first: ``color_snr_loss_db``,
+        ``color_error``, ``smi`` or ``colors_bits``.
 
     Returns
     -------
@@ -407,16 +413,50 @@ def league(
     InputError
         If a sensor cannot be read or has fewer than 3 channels, or a speed is out of range.
 
+    Notes
+    -----
+    Exposures per ISO speed are those of ISO 12232:2019, SMI is that of ISO 17321-1:2012 and visual
+    noise that of ISO 15739:2017. The colors are those of
+    `chromanoise.metrics.distinguishable_colors_bits`.
+
     Examples
     --------
     >>> import chromanoise as cn
     >>> best = cn.league(iso=800).cameras[0]
     >>> best.name, round(best.color_snr_loss_db, 2)
-    ('nikon-d200', 2.57)
+    ('canon-eos-1ds-mark-iii', 2.57)
     """
     speeds = iso_speeds(iso)
+    words = [one if isinstance(one, Sensor) else str(one) for one in sensors]
+    given = [
+        one if isinstance(one, Sensor) or one in camera_facts() else resolve_sensor(one)
+        for one in words
+    ]
+    return league_of(given, speeds=speeds, by=by)
+
+
+def league_of(
+    sensors: Sequence[Sensor | str], *, speeds: tuple[float, ...] = (), by: str = RANKED[0].name
+) -> "League":
+    """`league` of sensors, without noise where no ISO speed is given.
+
+    Parameters
+    ----------
+    sensors
+        Sensors of one's own, on the grid of the catalog, or names of cameras.
+    speeds
+        ISO speeds. [1]
+    by
+        As `league`.
+
+    Raises
+    ------
+    InputError
+        As `league`.
+    """
     cameras = _cameras(speeds)
-    own = [_own(word, speeds) for word in sensors]
+    by_name = {one.name: one for one in cameras}
+    own = [by_name[one] if isinstance(one, str) else _own(one, speeds) for one in sensors]
     check.distinct("sensors", [one.name for one in own])
     order = check.one_of("by", by, [one.name for one in RANKED])
     ranked = [_ranked(one, cameras) for one in cameras]
@@ -428,7 +468,7 @@ def league(
     )
 
 
-def _ranked(standing: Standing, cameras: Sequence[Standing]) -> Standing:
+def _ranked(standing: LeagueEntry, cameras: Sequence[LeagueEntry]) -> LeagueEntry:
     ranks, ties = {}, {}
     for one in RANKED:
         sign = -1.0 if one.more_is_better else 1.0
@@ -450,7 +490,7 @@ class League(Result):
     speeds
         ISO speeds. [1]
     by
-        The number of `RANKED` by which the cameras are sorted.
+        The number by which the cameras are sorted.
     cameras
         The cameras of the catalog, the best first.
     sensors
@@ -465,35 +505,47 @@ class League(Result):
 
     speeds: tuple[float, ...]
     by: str
-    cameras: tuple[Standing, ...]
-    sensors: tuple[Standing, ...]
+    cameras: tuple[LeagueEntry, ...]
+    sensors: tuple[LeagueEntry, ...]
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Where each sensor of one's own stands; without one, the best cameras."""
         if self.sensors:
-            return tuple(self._place(one) for one in self.sensors)
+            return tuple(map(self.place, self.sensors))
         return (*(self._best(one) for one in RANKED[:2]), *self._quietest())
 
-    def _place(self, standing: Standing) -> str:
-        count = len(self.cameras)
+    def place(self, standing: LeagueEntry) -> str:
+        """Loss and color error of a sensor, and how many cameras have more, in a sentence."""
         parts = []
         for one in RANKED[:2]:
-            value = format(getattr(standing, one.name), one.digits)
-            worse = count - standing.ranks[one.name] + 1
-            parts.append(f"{one.label} {value} {one.unit}, better than {worse} of {count} cameras")
+            unit = one.unit.replace("Delta E", "ΔE")
+            value = f"{format(getattr(standing, one.name), one.digits)} {unit}"
+            parts.append(f"{one.label} {value}, {self._worse(standing.ranks[one.name])}")
         return f"{standing.name}: {'; '.join(parts)}."
+
+    def _worse(self, rank: int) -> str:
+        """Than how many cameras a sensor of this rank has less of what is better low."""
+        count, better = len(self.cameras), rank - 1
+        if better == count:
+            return f"more than all {count} cameras"
+        if better == 0:
+            return f"less than all {count} cameras"
+        return f"less than {count - better} of {count} cameras"
 
     def _best(self, one: Ranked) -> str:
         best = min(self.cameras, key=lambda camera: camera.ranks[one.name])
         tied = best.ties[one.name]
         value = format(getattr(best, one.name), one.digits)
+        unit = one.unit.replace("Delta E", "ΔE")
         with_ties = f", tied with {_listed(tied)}" if tied else ""
         most = "largest" if one.more_is_better else "least"
-        return f"{best.name} has the {most} {one.label} ({value} {one.unit}{with_ties})."
+        return f"{best.name} has the {most} {one.label} ({value} {unit}{with_ties})."
 
     def _quietest(self) -> tuple[str, ...]:
         """The camera of least visual noise at the middle speed where any is known."""
+        if not self.speeds:
+            return ()
         i = len(self.speeds) // 2
         known = [camera for camera in self.cameras if camera.iso[i].visual_noise is not None]
         if not known:
@@ -510,12 +562,17 @@ class League(Result):
         return self._table(RANKED, range(len(self.speeds)))
 
     def short_table(self, most: int) -> Table:
-        """`to_table` with the ranks by `by` alone, and at most so many ISO speeds.
+        """`to_table` with the ranks by ``by`` alone, and few ISO speeds.
 
         Parameters
         ----------
         most
-            At least 1.
+            Largest number of ISO speeds, evenly spread, at least 1.
+
+        Returns
+        -------
+        Table
+            One row per sensor and camera.
         """
         last = len(self.speeds) - 1
         speeds = sorted({round(i) for i in np.linspace(0, last, most)})
@@ -530,7 +587,7 @@ class League(Result):
                 standing.name,
                 *(standing.rank(one) for one in ranked),
                 *(getattr(standing, one.name) for one in RANKED),
-                *(standing.iso[i].visual_noise for i in speeds),
+                *(_noise(standing.iso[i]) for i in speeds),
             )
             for standing in (*self.sensors, *self.cameras)
         )
@@ -543,7 +600,7 @@ class League(Result):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw color error against color SNR loss, one point per camera and sensor."""
-        return from_above("league").draw_cloud(self, axes_of(ax))
+        return from_above("figures").draw_league(self, axes_of(ax))
 
     def __repr__(self) -> str:
         return f"<League: {len(self.cameras)} cameras, {len(self.sensors)} sensors>"
@@ -552,7 +609,60 @@ class League(Result):
         return self._html(" ".join(self.sentences), (CONDITIONS,))
 
 
+def _noise(at: AtIso) -> float | str | None:
+    return "saturated" if at.saturated else at.visual_noise
+
+
 def _listed(names: Sequence[str], most: int = 3) -> str:
     if len(names) <= most:
         return ", ".join(names)
     return f"{', '.join(names[:most])} and {len(names) - most} more"
+
+
+def iso_speeds(given: str | float | Sequence[float]) -> tuple[float, ...]:
+    """ISO speeds of a text, a number or several numbers.
+
+    Parameters
+    ----------
+    given
+        ``100:25600`` for whole stops from the first to the last, ``100,160,400``, or numbers.
+
+    Raises
+    ------
+    InputError
+        If it is not such a text, or a speed is not between 1 and 1e7, or they do not rise.
+
+    Examples
+    --------
+    >>> iso_speeds("100:1600")
+    (100.0, 200.0, 400.0, 800.0, 1600.0)
+    """
+    if isinstance(given, str) and ":" in given:
+        first, last = (_speed(part) for part in _two(given))
+        stops = log2(last / first)
+        speeds = [first * 2**i for i in range(floor(stops + 1e-9) + 1)]
+    elif isinstance(given, str):
+        speeds = [_speed(part) for part in given.split(",")]
+    else:
+        speeds = [_speed(one) for one in ([given] if isinstance(given, int | float) else given)]
+    if sorted(set(speeds)) != speeds or not 1 <= len(speeds) <= MOST_SPEEDS:
+        raise InputError(
+            "iso",
+            f"must rise, and have 1 to {MOST_SPEEDS} values",
+            value=given,
+            remedy=f"write {DEFAULT_ISO} or 100,200,400",
+        )
+    return tuple(speeds)
+
+
+def _two(given: str) -> list[str]:
+    parts = given.split(":")
+    if len(parts) != 2:
+        need = "must have the form FIRST:LAST"
+        raise InputError("iso", need, value=given, remedy=f"write {DEFAULT_ISO}")
+    return parts
+
+
+def _speed(given: str | float) -> float:
+    need = "must be ISO speeds"
+    return check.within("iso", "1", check.number(str(given), "iso", need), 1.0, 1e7)
