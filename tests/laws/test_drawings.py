@@ -123,7 +123,7 @@ def test_every_chart_has_a_table_of_text_with_a_cell_per_column(part, of):
         assert all(isinstance(cell, str) and cell for cell in row)
 
 
-@pytest.mark.parametrize("part", [part for part in PARTS if part != "head"])
+@pytest.mark.parametrize("part", [part for part in PARTS if part not in ("head", "league")])
 def test_the_title_of_a_chart_names_what_holds_for_all_of_it(part):
     title = as_data(drawing(part, usual()))["title"]
     assert "illuminant E" in title
@@ -963,3 +963,25 @@ def test_the_grays_noise_is_that_of_the_full_cubature():
     ):
         full = plain(gray_noise(analysis, LAB))["sd_normal_law"]
         assert result["noise in CIELAB"] == pytest.approx(full, rel=3e-3)
+
+
+def test_the_league_has_the_filters_of_the_study_among_the_cameras_and_its_own_light():
+    """Light, level and matrix of the study change nothing; a filter moves its sensor."""
+    plain = drawing("league", shown(study_of("model-rgb-ircut")))
+    other = study_of("model-rgb-ircut", level_lux=1.0, matrices=["lmmse"])
+    assert as_data(drawing("league", shown(other))) == as_data(plain)
+    rows = rows_in("league", shown(study_of("model-rgb-ircut")))
+    assert len(rows) == 53
+    assert rows[-1]["camera"] == "of this study"
+    redder = study_from_data(
+        {"sensors": [{"name": "model-rgb-ircut", "ircut_nm": 620.0}]}, source="a test"
+    )
+    moved = rows_in("league", shown(redder))
+    assert moved[-1]["color error [Delta E*ab]"] != rows[-1]["color error [Delta E*ab]"]
+    assert moved[:-1] == rows[:-1]
+
+
+def test_a_sensor_of_one_channel_is_not_in_the_league_and_says_why():
+    result = drawing("league", shown(study_of("model-mono")))
+    assert [one.kind for one in result.panels[0].marks] == ["cloud"]
+    assert any("at least 3 channels" in note for note in result.notes)

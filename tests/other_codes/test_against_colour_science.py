@@ -212,3 +212,12 @@ def test_the_packaged_chart_names_its_patches_in_the_order_of_colour_science():
     babel = list(colour.SDS_COLOURCHECKERS["BabelColor Average"])
     for ours, theirs in zip(colorchecker(DEFAULT_GRID).names[:18], babel, strict=False):
         assert ours.split()[-1] == theirs.split()[-1]
+
+
+def test_the_patches_of_iso_17321_are_those_of_colour_science():
+    table = packaged_table("iso_17321")
+    patches = colour.SDS_COLOURCHECKERS["ISO 17321-1"]
+    assert table.names == tuple(patches)
+    for values, patch in zip(table.values.T, patches.values(), strict=True):
+        assert (table.wavelength_nm == patch.wavelengths).all()
+        assert (values == patch.values).all()

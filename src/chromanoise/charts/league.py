@@ -74,7 +74,7 @@ def _chart(
         sensors=tuple(names),
         columns=(
             column("sensor", [one.name for one in rows]),
-            column("camera", [one.camera for one in rows]),
+            column("camera", [one.camera or "of this study" for one in rows]),
             *(
                 _column(f"{one.label} [{one.unit}]".removesuffix(" []"), rows, one)
                 for one in RANKED

@@ -15,7 +15,6 @@ from chromanoise.base import (
     Float,
     InputError,
     check,
-    colour_science,
     frozen,
     lstsq,
     solve,
@@ -56,6 +55,7 @@ from chromanoise.spectra import (
     light,
     photons_per_unit,
 )
+from chromanoise.spectra.tables import packaged_table
 
 
 @lru_cache(maxsize=64)  # reused for all levels of a sweep
@@ -321,15 +321,13 @@ def sensor_metamerism(sensor: Sensor) -> Metamerism:
 
     Notes
     -----
-    ISO 17321-1:2012, annex D. Patches from colour-science under that name (identical to those of
-    Ohta, 1997), D55 of CIE 015, observer CIE 1931; all with linear interpolation between samples.
+    ISO 17321-1:2012, annex D. The patches are identical to those of Ohta (1997), D55 is that of CIE
+    015, the observer is CIE 1931; all with linear interpolation between samples.
     """
-    colour = colour_science()
-
-    lamp = colour.SDS_ILLUMINANTS["D55"]
-    chart = list(colour.SDS_COLOURCHECKERS["ISO 17321-1"].values())[:18]
+    chart, daylight = packaged_table("iso_17321"), packaged_table("cie_daylight")
+    d55 = daylight.values[:, daylight.names.index("D55")]
     at = sensor.grid.wavelength_nm
-    inside = (at >= chart[0].wavelengths[0]) & (at <= chart[0].wavelengths[-1])
+    inside = (at >= chart.wavelength_nm[0]) & (at <= chart.wavelength_nm[-1])
     if not inside.any():
         raise InputError(
             f"grid of {sensor.name}",
@@ -342,8 +340,8 @@ def sensor_metamerism(sensor: Sensor) -> Metamerism:
     return metamerism(
         per_watt[inside],
         cie_1931(sensor.grid).values[inside],
-        np.interp(at[inside], lamp.wavelengths, lamp.values),
-        np.array([np.interp(at[inside], sd.wavelengths, sd.values) for sd in chart]),
+        np.interp(at[inside], daylight.wavelength_nm, d55),
+        np.array([np.interp(at[inside], chart.wavelength_nm, one) for one in chart.values.T[:18]]),
     )
 
 

@@ -415,8 +415,8 @@ def league(
 
     Notes
     -----
-    Exposures per ISO speed are those of ISO 12232:2019, SMI is that of ISO 17321-1:2012 and visual
-    noise that of ISO 15739:2017. The colors are those of
+    Exposures per ISO speed are those of ISO 12232 (2019), SMI is that of ISO 17321-1 (2012), visual
+    noise that of ISO 15739 (2017). The colors are those of
     `chromanoise.metrics.distinguishable_colors_bits`.
 
     Examples
