@@ -234,6 +234,7 @@ WEIGHTS = {
         "sensitivity": 6,
         "denoise": 6,
         "denoise-bench": 1,
+        "league": 2,
     },
     **{"reproduce": 1, "demo": 0.2, "demo-frames": 4, "characterize": 5},
 }

@@ -1,10 +1,27 @@
 """Print the numbers of the findings in docs/league.md."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.stats import spearmanr
 
+from chromanoise.color import white_preserving
+from chromanoise.metrics import mean_chart_errors
 from chromanoise.spectra.tables import camera_facts
-from chromanoise.study import RANKED, LeagueEntry, league
+from chromanoise.study import (
+    RANKED,
+    LeagueEntry,
+    TradeOff,
+    Viewing,
+    camera_pixel,
+    electrons_at,
+    league,
+    noise_as_viewed,
+    point_at_iso,
+    sensor_named,
+    trade_off,
+)
+from chromanoise.study.color_matrices import training_named
 
 PERIODS = ((2004, 2009), (2010, 2016), (2017, 2025))
 
@@ -32,6 +49,42 @@ def main() -> None:
     for i, iso in enumerate(result.speeds):
         noise = [x for one in cameras if (x := _noise(one, i)) is not None]
         print(f"ISO {iso:g}: visual noise of {len(noise)} {min(noise):.2f} to {max(noise):.2f}")
+    for iso in (800.0, 6400.0):
+        best_matrices(iso)
+
+
+def best_matrices(iso: float) -> None:
+    """What a matrix made for one ISO speed gains over the white-preserving one. [dB]"""
+    same, further = [], []
+    for name in camera_facts():
+        if iso < camera_facts()[name].base_iso:
+            continue
+        sensor = sensor_named(name)
+        pixel = camera_pixel(sensor, iso)
+        if "read_noise_e" not in pixel or camera_facts()[name].defect:
+            continue
+        point = point_at_iso(replace(sensor, pixel=replace(sensor.pixel, **pixel)), iso)
+        trade = trade_off(point, prior="chart")
+        if not isinstance(trade, TradeOff):
+            continue
+        usual = white_preserving(
+            point.sensor,
+            point.exposure,
+            training_named("chart", point.illuminant),
+            level_lux=point.level_lux,
+        ).matrix
+        seen = electrons_at(point), point.sensor, point.exposure
+        noise = float(noise_as_viewed(*seen, usual, Viewing()))
+        error = float(
+            mean_chart_errors(point.sensor, usual[None], point.exposure, point.illuminant)[0]
+        )
+        for gains, allowed in ((same, 0.0), (further, 1.0)):
+            reached = trade.visual_noise[trade.color_error <= error + allowed]
+            gains.append(20 * np.log10(noise / reached.min()) if reached.size else np.nan)
+    for gains, what in ((same, "at its color error"), (further, "at 1 Delta E*ab more")):
+        low, middle, high = np.nanpercentile(gains, [0, 50, 100])
+        print(f"ISO {iso:g}, {len(gains)} cameras: best matrix {what}: {middle:.2f} dB less noise")
+        print(f"  ({low:.2f} to {high:.2f} dB)")
 
 
 def _noise(standing: LeagueEntry, i: int) -> float | None:

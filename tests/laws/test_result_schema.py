@@ -13,6 +13,7 @@ MAKERS = {
     "compare": lambda: cn.compare(*PAIR, points=3),
     "map": lambda: cn.compare_map(*PAIR, points=3, second_points=2),
     "matrix": lambda: cn.matrix("onyx-rgbw"),
+    "league": lambda: cn.league("onyx-rgbw", iso=800),
 }
 KINDS = {
     "object": dict, "array": list, "string": str, "boolean": bool, "null": type(None),

@@ -84,7 +84,7 @@ def distinguishable_colors_bits(
         return -np.inf
     at, weights = _rule(count, nodes)
     variance_e2 = at @ blocks.T + floor_e2
-    if matrix is None and channels == count:  # det(B^T D^-1 B) = det(B)^2 / det(D)
+    if channels == count:  # whatever the matrix: det(B^T D^-1 B) = det(B)^2 / det(D)
         volume = abs(det("blocks", blocks)) / np.sqrt(variance_e2.prod(axis=-1))
     elif matrix is None:
         information = np.einsum("pd,kp,pe->kde", blocks, 1 / variance_e2, blocks)

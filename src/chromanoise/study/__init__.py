@@ -57,6 +57,7 @@ if TYPE_CHECKING:
         iso_speeds as iso_speeds,
         league as league,
         league_of,
+        point_at_iso as point_at_iso,
     )
     from chromanoise.study.camera_pipeline import (
         BASE_ISO as BASE_ISO,

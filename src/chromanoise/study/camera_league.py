@@ -40,20 +40,19 @@ from chromanoise.metrics import (
     pair_distances,
     sensor_metamerism,
 )
-from chromanoise.noise import Exposure, expected_electrons, saturated, with_noise
+from chromanoise.noise import OperatingPoint, saturated, with_noise
 from chromanoise.sensor import UNKNOWN_CONVERTER, Pixel, Sensor
 from chromanoise.spectra import (
     Grid,
     Illuminant,
-    Scene,
     Spectra,
     all_pairs,
     colorchecker,
-    flat_field,
     illuminant_named,
     on_grid,
 )
 from chromanoise.spectra.tables import camera_facts, packaged_table
+from chromanoise.study.analysis import electrons_at
 from chromanoise.study.cameras import AT_THE_SENSOR, GRAY_LUX_S, camera_pixel
 from chromanoise.study.color_noise import GRAY, Viewing, noise_as_viewed
 from chromanoise.study.resolve_names import resolve_sensor
@@ -261,10 +260,12 @@ def _of_filters(sensor: Sensor) -> _OfFilters:
         pixel=Pixel(pitch_um=SIDE_UM, full_well_e=SATURATION_E, read_noise_e=0.0),
         converter=UNKNOWN_CONVERTER,
     )
-    level_lux = SATURATION_E / float(_white_e(quiet, 1.0, AT_THE_SENSOR).max())
-    matrix = white_preserving(quiet, AT_THE_SENSOR, _training(), level_lux=level_lux)
-    raw = with_noise(_white_e(quiet, level_lux, AT_THE_SENSOR), quiet, AT_THE_SENSOR)
-    error = training_color_error(quiet, AT_THE_SENSOR, _training(), matrix, level_lux=level_lux)
+    dim = OperatingPoint(sensor=quiet, exposure=AT_THE_SENSOR, illuminant=_light(), level_lux=1.0)
+    point = replace(dim, level_lux=SATURATION_E / float(electrons_at(dim).max()))
+    seen = (quiet, point.exposure, _training())
+    matrix = white_preserving(*seen, level_lux=point.level_lux)
+    raw = with_noise(electrons_at(point), quiet, point.exposure)
+    error = training_color_error(*seen, matrix, level_lux=point.level_lux)
     if error is None:
         raise InputError(sensor.name, "must have X, Y and Z of a white above 0", value=None)
     return _OfFilters(
@@ -272,56 +273,73 @@ def _of_filters(sensor: Sensor) -> _OfFilters:
         color_snr_loss_db=float(color_snr_loss_db(raw, colored(raw, matrix))),
         color_error=error,
         smi=sensor_metamerism(quiet).index,
-        colors_bits=distinguishable_colors_bits(
-            _blocks_e(quiet, level_lux, AT_THE_SENSOR), read_noise_e=0.0
-        ),
+        colors_bits=distinguishable_colors_bits(_blocks_e(point), read_noise_e=0.0),
     )
 
 
-def _at_iso(sensor: Sensor, iso: float, matrix: ColorMatrix, *, known: bool) -> AtIso:
+def point_at_iso(sensor: Sensor, iso: float) -> OperatingPoint:
+    """A sensor in the light of the league at the exposure of an ISO speed.
+
+    Parameters
+    ----------
+    sensor
+        With its pixel at this ISO speed, on the grid of the catalog.
+    iso
+        ISO speed. [1]
+
+    Returns
+    -------
+    OperatingPoint
+        In D50, with an 18 % gray at 10 / S lx s on the sensor, at 400 to 780 nm.
+
+    Raises
+    ------
+    InputError
+        If it has fewer than 3 channels.
+    """
+    return OperatingPoint(
+        sensor=_on_grid(sensor),
+        exposure=replace(AT_THE_SENSOR, time_s=_SHUTTER_S),
+        illuminant=_light(),
+        level_lux=GRAY_LUX_S / GRAY / iso / _SHUTTER_S,
+    )
+
+
+def _at_iso(point: OperatingPoint, iso: float, matrix: ColorMatrix, *, known: bool) -> AtIso:
     """Noise of a sensor whose read noise at this ISO speed is known, or not."""
-    exposure = replace(AT_THE_SENSOR, time_s=_SHUTTER_S)
-    level_lux = GRAY_LUX_S / GRAY / iso / _SHUTTER_S
-    white_e = _white_e(sensor, level_lux, exposure)
+    sensor, exposure = point.sensor, point.exposure
+    white_e = electrons_at(point)
     full = bool(saturated(white_e, sensor, exposure).any())
     if not known or full:
         read_noise_e = sensor.pixel.read_noise_e if known else None
         return AtIso(iso=iso, read_noise_e=read_noise_e, saturated=full)
     pixels = (SIDE_UM / sensor.pixel.pitch_um) ** 2
     dark_e2 = with_noise(np.zeros_like(white_e), sensor, exposure).variance.mean()
-    dark_e = sqrt(pixels * dark_e2)
-    blocks_e = pixels * _blocks_e(sensor, level_lux, exposure)
-    chart = Scene(illuminant=_light(), level_lux=level_lux, reflectance=_chart().values.T)
-    patches = with_noise(expected_electrons(chart, sensor, exposure), sensor, exposure)
+    dark = {"read_noise_e": sqrt(pixels * dark_e2)}
+    blocks_e = pixels * _blocks_e(point)
+    patches = with_noise(electrons_at(point, reflectance=_chart().values.T), sensor, exposure)
     distances = pair_distances(patches, all_pairs(_chart()).indices)
     viewed = noise_as_viewed(white_e, sensor, exposure, matrix.matrix, Viewing())
-    of_best = distinguishable_colors_bits(blocks_e, read_noise_e=dark_e, nodes=_NODES)
+    best, of_matrix = (
+        distinguishable_colors_bits(blocks_e, matrix=reader, nodes=_NODES, **dark)
+        for reader in (None, matrix.matrix)
+    )
     return AtIso(
         iso=iso,
         read_noise_e=sensor.pixel.read_noise_e,
         visual_noise=float(viewed) / sqrt(pixels),
-        colors_bits=of_best,
-        # three channels: every matrix keeps all colors
-        colors_of_matrix_bits=of_best
-        if len(sensor.names) == len(BLOCKS_NM)
-        else distinguishable_colors_bits(
-            blocks_e, read_noise_e=dark_e, matrix=matrix.matrix, nodes=_NODES
-        ),
-        cube_bits=float(color_sensitivity_bits(pixels * white_e, read_noise_e=dark_e)),
+        colors_bits=best,
+        colors_of_matrix_bits=of_matrix,
+        cube_bits=float(color_sensitivity_bits(pixels * white_e, **dark)),
         median_distance=float(np.median(distances)) * sqrt(pixels),
     )
 
 
-def _white_e(sensor: Sensor, level_lux: float, exposure: Exposure) -> Float[Array, " p"]:
-    return expected_electrons(flat_field(_light(), level_lux=level_lux), sensor, exposure)
-
-
-def _blocks_e(sensor: Sensor, level_lux: float, exposure: Exposure) -> Float[Array, "p d"]:
+def _blocks_e(point: OperatingPoint) -> Float[Array, "p d"]:
     """Electrons of reflectances that are 1 on a block of wavelengths. [e-]"""
     at = GRID.wavelength_nm
     blocks = np.array([(first <= at) & (at <= last) for first, last in BLOCKS_NM], dtype=float)
-    scene = Scene(illuminant=_light(), level_lux=level_lux, reflectance=blocks)
-    return expected_electrons(scene, sensor, exposure).T
+    return electrons_at(point, reflectance=blocks).T
 
 
 @cache
@@ -339,6 +357,8 @@ def _on_grid(sensor: Sensor) -> Sensor:
             found=f"has {len(sensor.names)}",
             remedy="leave it out",
         )
+    if sensor.grid == GRID:
+        return sensor
     inside = np.isin(sensor.grid.wavelength_nm, GRID.wavelength_nm)
     return replace(sensor, grid=GRID, qe=sensor.qe[inside])
 
@@ -360,14 +380,14 @@ def _camera(name: str, camera: str, speeds: tuple[float, ...]) -> LeagueEntry:
         pixel = camera_pixel(sensor, iso)
         known = "read_noise_e" in pixel
         there = replace(sensor, pixel=replace(sensor.pixel, **pixel))
-        rows.append(_at_iso(there, iso, filters.matrix, known=known))
+        rows.append(_at_iso(point_at_iso(there, iso), iso, filters.matrix, known=known))
     return _standing(sensor, camera, filters, rows)
 
 
 def _own(given: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
     sensor = _on_grid(given)
     filters = _of_filters(sensor)
-    rows = [_at_iso(sensor, iso, filters.matrix, known=True) for iso in speeds]
+    rows = [_at_iso(point_at_iso(sensor, iso), iso, filters.matrix, known=True) for iso in speeds]
     return _standing(sensor, "", filters, rows)
 
 
@@ -481,6 +501,10 @@ def _ranked(standing: LeagueEntry, cameras: Sequence[LeagueEntry]) -> LeagueEntr
     return replace(standing, ranks=ranks, ties=ties)
 
 
+def _conditions(_: Any) -> str:
+    return CONDITIONS
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class League(Result):
     """Cameras and sensors of one's own, by color and noise.
@@ -499,7 +523,7 @@ class League(Result):
 
     KEYS: ClassVar[JsonKeys] = (
         VERSION,
-        JsonKey("conditions", lambda _: CONDITIONS, text="Light, matrix and area."),
+        JsonKey("conditions", _conditions, text="Light, matrix, range and area."),
         *("speeds", "by", "cameras", "sensors"),
     )
 

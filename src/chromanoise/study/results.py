@@ -65,6 +65,7 @@ from chromanoise.study.analysis import (
     temporal_raw_snr_db,
 )
 from chromanoise.study.assembly import keyed
+from chromanoise.study.camera_league import League
 from chromanoise.study.camera_pipeline import GainStep, PipelineNoise, pipeline_noise
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, MatrixMaker
 from chromanoise.study.color_noise import (
@@ -1125,6 +1126,7 @@ RESULT_KINDS: Mapping[str, type[Result]] = {
     "analyze": Analyses,
     "compare": Comparison,
     "compare-map": ComparisonMap,
+    "league": League,
     "matrix": MatrixResult,
 }
 """The classes of results with described keys, by the commands that write them as JSON."""
