@@ -30,7 +30,7 @@ def main() -> None:
     """Correlations with the year and among numbers, medians of periods, and the range of noise."""
     result = league()
     facts = camera_facts()
-    cameras = [one for one in result.cameras if not facts[one.name].defect]
+    cameras = [one for one in result.cameras if not one.has_own_peaks]
     years = np.array([facts[one.name].year for one in cameras])
     laboratories = np.array([facts[one.name].laboratory for one in cameras])
     values = {one.name: np.array([getattr(c, one.name) for c in cameras]) for one in RANKED}
@@ -55,15 +55,16 @@ def main() -> None:
 
 def best_matrices(iso: float) -> None:
     """What a matrix made for one ISO speed gains over the white-preserving one. [dB]"""
-    same, further = [], []
+    same: list[float] = []
+    further: list[float] = []
     for name in camera_facts():
         if iso < camera_facts()[name].base_iso:
             continue
         sensor = sensor_named(name)
         pixel = camera_pixel(sensor, iso)
-        if "read_noise_e" not in pixel or camera_facts()[name].defect:
+        if pixel.read_noise_e is None or camera_facts()[name].has_own_peaks:
             continue
-        point = point_at_iso(replace(sensor, pixel=replace(sensor.pixel, **pixel)), iso)
+        point = point_at_iso(replace(sensor, pixel=replace(sensor.pixel, **pixel.known)), iso)
         trade = trade_off(point, prior="chart")
         if not isinstance(trade, TradeOff):
             continue

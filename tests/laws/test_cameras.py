@@ -81,31 +81,37 @@ def test_what_is_said_of_all_curves_is_so():
         assert curves.max() == 1
         assert curves[-1].max() < 2e-3
         own_peaks = (curves.max(axis=0) == 1).all()
-        assert own_peaks == ("its own peak" in facts.defect), name
+        assert own_peaks == facts.has_own_peaks, name
 
 
 @pytest.mark.parametrize("name", FIVE)
 def test_a_camera_is_full_at_78_over_iso_lux_seconds_of_daylight(name):
     """ISO 12232, by plain numpy from the table."""
-    facts, sensor = camera_facts()[name], sensor_named(name, Grid.uniform(380, 780, 5))
+    sensor = sensor_named(name, Grid.uniform(380, 780, 5))
+    facts, iso = camera_facts()[name], camera_pixel(sensor).iso
     wavelength_nm, per_energy = curves_of(name)
     qe = per_energy / wavelength_nm[:, None]
     qe *= 0.5 / qe.max()
-    light = photons_per_um2(wavelength_nm, 78 / facts.base_iso)
+    light = photons_per_um2(wavelength_nm, 78 / iso)
     expected = 5 * (light @ qe).max() * facts.pitch_um**2
     assert sensor.pixel.full_well_e == pytest.approx(expected, rel=2e-3)
-    assert saturation_electrons(sensor, 2.0 * facts.base_iso) == pytest.approx(
+    assert saturation_electrons(sensor, 2.0 * iso) == pytest.approx(
         sensor.pixel.full_well_e / 2, rel=1e-12
     )
 
 
-def test_at_the_share_of_equal_noise_shot_noise_is_the_read_noise():
-    for name in FIVE:
-        sensor = sensor_named(name)
-        for iso, share in camera_noise()[name].items():
-            pixel = camera_pixel(sensor, iso)
-            shot_e2 = share * pixel["full_well_e"]
-            assert pixel["read_noise_e"] ** 2 == pytest.approx(shot_e2, rel=1e-12)
+def test_a_simulated_profile_gives_back_the_read_noise_of_its_pixel():
+    """Codes of a pixel with N electrons and r e- of read noise, their variance over their mean."""
+    full_e, noise_e = 12_345.0, 6.0
+    rng, shares = np.random.default_rng(2), np.linspace(0.02, 0.9, 12)
+    drawn = rng.poisson(full_e * shares[:, None], (12, 40_000)) + rng.normal(
+        0.0, noise_e, (12, 40_000)
+    )
+    downscaled = drawn.reshape(12, -1, 4).mean(axis=-1) / full_e
+    variance = downscaled.var(axis=1)
+    weights = 1 / variance
+    a, b = np.polyfit(shares, variance, 1, w=weights)
+    assert (b / a * full_e) ** 0.5 == pytest.approx(noise_e, rel=0.1)
 
 
 def test_read_noise_is_between_its_neighbors_and_unknown_outside_of_the_profile():
@@ -113,12 +119,37 @@ def test_read_noise_is_between_its_neighbors_and_unknown_outside_of_the_profile(
     speeds = [*camera_noise()["nikon-d850"]]
     for low, high in pairwise(speeds):
         shares = [
-            camera_pixel(sensor, iso)["read_noise_e"] ** 2 * iso
+            camera_pixel(sensor, iso).read_noise_e ** 2 * iso
             for iso in (low, (low * high) ** 0.5, high)
         ]
         assert shares[1] ** 2 == pytest.approx(shares[0] * shares[2], rel=1e-9)
-    assert "read_noise_e" not in camera_pixel(sensor, 64)
-    assert "read_noise_e" not in camera_pixel(sensor, speeds[-1] * 1.01)
+    assert camera_pixel(sensor, 64).read_noise_e is None
+    assert camera_pixel(sensor, speeds[-1] * 1.01).read_noise_e is None
+
+
+def test_profiles_of_negative_noise_and_jumps_are_left_out():
+    for name, shares in camera_noise().items():
+        assert len(shares) >= 4
+        speeds, relative = np.array([*shares]), np.sqrt([x / iso for iso, x in shares.items()])
+        jumps = abs(np.diff(np.log(relative))) > 1.5 * np.diff(np.log(speeds)) + 0.25
+        # one is a second gain of the converter; two in a row are a wrong number
+        assert not (jumps[1:] & jumps[:-1]).any(), name
+
+
+def test_the_pixel_is_that_of_the_lowest_speed_with_a_known_read_noise():
+    sensor = sensor_named("nikon-d850")
+    assert camera_pixel(sensor).iso == 100.0
+    assert sensor.pixel.read_noise_e == camera_pixel(sensor, 100).read_noise_e
+    assert sensor.pixel.full_well_e == camera_pixel(sensor, 100).full_well_e
+    assert camera_pixel(sensor_named("sony-ilce-7m4")).iso == 100.0
+    assert camera_pixel(sensor_named("nikon-d70")).iso == 200.0
+
+
+def test_read_noise_follows_a_full_well_that_the_user_gives():
+    given = sensor_named("nikon-d850", pixel={"full_well_e": 50_000.0})
+    plain = sensor_named("nikon-d850")
+    ratio = 50_000.0 / plain.pixel.full_well_e
+    assert given.pixel.read_noise_e == pytest.approx(plain.pixel.read_noise_e * ratio**0.5)
 
 
 def test_a_camera_says_what_is_assumed_of_it():
@@ -126,7 +157,9 @@ def test_a_camera_says_what_is_assumed_of_it():
     assert "scaled to a highest QE of 0.5" in notes
     assert "zero beyond 380-780 nm" in notes
     assert "read noise" in " ".join(assumptions(sensor_named("sony-ilce-7m4")))
-    assert assumptions(sensor_named("nikon-d3300")) == ()
+    known = sensor_named("nikon-d3300")
+    assert assumptions(known) == ()
+    assert "full well at ISO 100 by 78/ISO lx s of D55 (ISO 12232)" in " ".join(known.notes)
     assert "its own peak" in " ".join(sensor_named("arri-d21").notes)
 
 

@@ -48,8 +48,8 @@ def draw_league(league: League, ax: Axes) -> Axes:
 def _chart(
     names: Sequence[str], league: League, standings: Sequence[LeagueEntry], why: Sequence[str]
 ) -> Chart:
-    rows = (*league.cameras, *standings)
-    count = len(league.cameras)
+    cameras = [one for one in league.cameras if not one.has_own_peaks]
+    rows, count = (*cameras, *standings), len(cameras)
     across, up, *_ = RANKED
     marks: list[Mark] = [
         Cloud(x=2, y=3, first=0, last=count, name=f"{count} cameras"),
@@ -87,5 +87,5 @@ def _chart(
 
 
 def _column(head: str, rows: Sequence[LeagueEntry], ranked: Ranked) -> Column:
-    number = partial(decimal, digits=2)
+    number = partial(decimal, digits=int(ranked.digits[1]))
     return column(head, [getattr(one, ranked.name) for one in rows], number)

@@ -122,9 +122,9 @@ SECTIONS: tuple[Section, ...] = (
     ),
     Section(
         part="league",
-        heading="Among 52 cameras",
-        shows="Each point is a measured camera: what its color matrix costs in SNR, and how far "
-        "its colors are off. The light is D50; only the filters count.",
+        heading="Among measured cameras",
+        shows="Each point is a measured camera: color SNR loss (SNR of the best linear readout "
+        "minus SNR of Y) against mean color error, in D50. Pixel and read noise have no effect.",
         explanations=("price", "color"),
     ),
     Section(

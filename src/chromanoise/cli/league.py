@@ -14,7 +14,7 @@ from chromanoise.cli.output import (
     write_outputs,
 )
 from chromanoise.cli.terminal_tables import print_table
-from chromanoise.study import DEFAULT_ISO, RANKED, league as league_of
+from chromanoise.study import DEFAULT_ISO, RANKED, league as ranked_cameras
 
 _SHOWN = 3  # ISO speeds in the table on a terminal
 
@@ -32,6 +32,7 @@ _SHOWN = 3  # ISO speeds in the table on a terminal
     "--sort",
     "by",
     type=click.Choice([one.name for one in RANKED]),
+    metavar="|".join(one.name for one in RANKED),
     default=RANKED[0].name,
     show_default=True,
     help="The number by which the cameras are sorted, the best first.",
@@ -43,12 +44,12 @@ def league(
 ) -> None:
     """Rank the cameras of the catalog, with each SENSOR among them.
 
-    Color SNR loss, color error, SMI and distinguishable colors at equal saturation, and visual
-    noise at equal light on equal area for each ISO speed. SENSOR is as in `chromanoise analyze`,
-    with 3 channels or more.
+    Shows color SNR loss, color error, SMI, the number of distinguishable colors, and visual noise
+    per pixel area at each ISO speed. Low loss, error and noise are good; high SMI and colors are
+    good. SENSOR is as in `chromanoise analyze`, with 3 channels or more.
     """
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, {})
-    result = league_of(*sensors, iso=iso, by=by)
+    result = ranked_cameras(*sensors, iso=iso, by=by)
     write_outputs(
         (table, lambda: table_text(result.to_table(), str(table))),
         (json_target, lambda: json_text(result.to_dict())),

@@ -105,6 +105,12 @@ class Provenance:
         if self.peak_qe is not None:
             check.within(f"peak_qe of {self.name}", "e-/photon", self.peak_qe, 1e-3, 1.0)
         check.among(f"beyond of {self.name}", self.beyond, get_args(Beyond))
+        if self.peak_qe is not None and not (self.is_sensor and self.level == "relative"):
+            need = "must be left out, except for relative curves of a sensor"
+            raise InputError(f"peak_qe of {self.name}", need, value=self.peak_qe)
+        if self.beyond != "refuse" and not self.is_sensor:
+            need = "must be left out, except for a sensor"
+            raise InputError(f"beyond of {self.name}", need, value=self.beyond)
         if self.is_sensor:
             _refuse_contradiction(self)
 

@@ -51,9 +51,10 @@ from chromanoise.spectra import (
     illuminant_named,
     on_grid,
 )
-from chromanoise.spectra.tables import camera_facts, packaged_table
+from chromanoise.spectra.tables import CameraFacts, camera_facts, packaged_table
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.cameras import AT_THE_SENSOR, GRAY_LUX_S, camera_pixel
+from chromanoise.study.catalog import assumptions, is_assumed
 from chromanoise.study.color_noise import GRAY, Viewing, noise_as_viewed
 from chromanoise.study.resolve_names import resolve_sensor
 
@@ -69,7 +70,6 @@ SATURATION_E = 10_000.0
 """Electrons of a white in the fullest channel, at equal saturation. [e-]"""
 BLOCKS_NM = ((400.0, 485.0), (490.0, 575.0), (580.0, 700.0))
 """Each distinguishable color is a reflectance that is constant on these. [nm]"""
-_NODES = 12  # agrees with 20 to 0.001 bit
 _SHUTTER_S = 0.01  # of all exposures; it decides on dark current alone
 
 
@@ -85,9 +85,13 @@ class Ranked:
         Heading, unit and format of its numbers in tables.
     more_is_better
         Whether the best has the most.
+    of_heights
+        Whether the relative heights of the channels count: then curves that are divided by their
+        own peaks have no rank.
     spread
         Root mean square of the differences between two measurements of one camera, over six
-        cameras that another laboratory measured too: those that differ by less tie.
+        cameras that another laboratory measured too, or five where relative heights count: those
+        that differ by less tie.
     """
 
     name: str
@@ -95,6 +99,7 @@ class Ranked:
     unit: str
     digits: str
     more_is_better: bool
+    of_heights: bool
     spread: float
 
 
@@ -105,7 +110,8 @@ RANKED = (
         unit="dB",
         digits=".2f",
         more_is_better=False,
-        spread=0.19,
+        of_heights=True,
+        spread=0.16,
     ),
     Ranked(
         name="color_error",
@@ -113,16 +119,26 @@ RANKED = (
         unit="Delta E*ab",
         digits=".2f",
         more_is_better=False,
+        of_heights=False,
         spread=0.34,
     ),
-    Ranked(name="smi", label="SMI", unit="", digits=".1f", more_is_better=True, spread=1.1),
+    Ranked(
+        name="smi",
+        label="SMI",
+        unit="",
+        digits=".1f",
+        more_is_better=True,
+        of_heights=False,
+        spread=1.1,
+    ),
     Ranked(
         name="colors_bits",
         label="colors",
         unit="bit",
         digits=".2f",
         more_is_better=True,
-        spread=0.14,
+        of_heights=True,
+        spread=0.065,
     ),
 )
 """What depends on the filters alone; the first decides the order of the table."""
@@ -173,6 +189,8 @@ class LeagueEntry:
         The name in the catalog, or the label of a sensor of one's own.
     camera
         Maker and model; empty for a sensor of one's own.
+    has_own_peaks
+        Whether each channel is divided by its own peak: then only color error and SMI have a rank.
     color_snr_loss_db
         SNR of the best linear readout of a white minus that of Y, for shot noise alone. [dB]
     color_error
@@ -182,7 +200,8 @@ class LeagueEntry:
     colors_bits
         Colors that the best reader tells apart at equal saturation, for shot noise alone. [bit]
     ranks
-        Rank of each of these among the cameras, 1 for the best.
+        Rank of each of these among the cameras, 1 for the best; none of loss and colors where the
+        curves are divided by their own peaks.
     ties
         Names of the cameras from which each does not differ by more than two measurements of one
         camera.
@@ -194,11 +213,13 @@ class LeagueEntry:
 
     KEYS: ClassVar[JsonKeys] = (
         *("name", "camera", "color_snr_loss_db", "color_error", "smi", "colors_bits"),
+        "has_own_peaks",
         *("ranks", "ties", "iso", "notes"),
     )
 
     name: str
     camera: str
+    has_own_peaks: bool
     color_snr_loss_db: float
     color_error: float
     smi: float
@@ -208,19 +229,28 @@ class LeagueEntry:
     ranks: Mapping[str, int]
     ties: Mapping[str, tuple[str, ...]]
 
+    def told(self, by: Ranked) -> str:
+        """A number with its unit."""
+        unit = by.unit.replace("Delta E", "ΔE")
+        return f"{format(getattr(self, by.name), by.digits)} {unit}".strip()
+
     def rank(self, by: Ranked) -> str:
-        """The rank by a number, with ``=`` where it is shared within the spread."""
+        """The rank by a number, with ``=`` where it ties with others; empty without one."""
+        if by.name not in self.ranks:
+            return ""
         return f"{self.ranks[by.name]}{'=' if self.ties[by.name] else ''}"
 
 
 OF_FILTERS = (
-    f"light {LIGHT}; white-preserving matrix of the 190 training patches of rawtoaces; "
-    f"{GRID.wavelength_nm[0]:g} to {GRID.wavelength_nm[-1]:g} nm"
+    f"light {LIGHT}, matrix white-preserving and trained on the 190 patches of rawtoaces (SMI: D55 "
+    f"and its own matrix); {GRID.wavelength_nm[0]:g} to {GRID.wavelength_nm[-1]:g} nm"
 )
-"""What the numbers of filters hold for."""
+"""What the numbers of spectral sensitivities hold for."""
 CONDITIONS = (
-    f"{OF_FILTERS}; noise of {SIDE_UM:g} x {SIDE_UM:g} um, 18 % gray at {GRAY_LUX_S:g}/ISO lx s on "
-    "the sensor; = marks a tie within the spread of two measurements of one camera"
+    f"{OF_FILTERS}; visual noise of an 18 % gray at {GRAY_LUX_S:g}/ISO lx s on the sensor, scaled "
+    f"to a pixel area of {SIDE_UM:g} x {SIDE_UM:g} um, with an assumed "
+    "peak QE of each camera; = marks a tie: a difference below that of "
+    "two measurements of one camera"
 )
 """What all numbers of a league hold for."""
 
@@ -321,7 +351,7 @@ def _at_iso(point: OperatingPoint, iso: float, matrix: ColorMatrix, *, known: bo
     distances = pair_distances(patches, all_pairs(_chart()).indices)
     viewed = noise_as_viewed(white_e, sensor, exposure, matrix.matrix, Viewing())
     best, of_matrix = (
-        distinguishable_colors_bits(blocks_e, matrix=reader, nodes=_NODES, **dark)
+        distinguishable_colors_bits(blocks_e, matrix=reader, **dark)
         for reader in (None, matrix.matrix)
     )
     return AtIso(
@@ -360,49 +390,52 @@ def _on_grid(sensor: Sensor) -> Sensor:
     if sensor.grid == GRID:
         return sensor
     inside = np.isin(sensor.grid.wavelength_nm, GRID.wavelength_nm)
+    if inside.sum() != GRID.n:
+        raise InputError(
+            f"grid of {sensor.label}",
+            f"must contain {GRID}",
+            value=sensor.grid,
+            found=f"is {sensor.grid}",
+            remedy="give its curves as a file",
+        )
     return replace(sensor, grid=GRID, qe=sensor.qe[inside])
 
 
 @lru_cache(maxsize=4)
 def _cameras(speeds: tuple[float, ...]) -> tuple[LeagueEntry, ...]:
     """All cameras of the catalog, without ranks."""
-    return tuple(_camera(name, facts.camera, speeds) for name, facts in camera_facts().items())
+    return tuple(_entry(resolve_sensor(name), speeds) for name in camera_facts())
 
 
-def _camera(name: str, camera: str, speeds: tuple[float, ...]) -> LeagueEntry:
-    sensor = _on_grid(resolve_sensor(name))
-    filters = _of_filters(sensor)
-    rows = []
-    for iso in speeds:
-        if iso < camera_facts()[name].base_iso:
-            rows.append(AtIso(iso=iso, read_noise_e=None))
-            continue
-        pixel = camera_pixel(sensor, iso)
-        known = "read_noise_e" in pixel
-        there = replace(sensor, pixel=replace(sensor.pixel, **pixel))
-        rows.append(_at_iso(point_at_iso(there, iso), iso, filters.matrix, known=known))
-    return _standing(sensor, camera, filters, rows)
-
-
-def _own(given: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
-    sensor = _on_grid(given)
-    filters = _of_filters(sensor)
-    rows = [_at_iso(point_at_iso(sensor, iso), iso, filters.matrix, known=True) for iso in speeds]
-    return _standing(sensor, "", filters, rows)
-
-
-def _standing(
-    sensor: Sensor, camera: str, filters: _OfFilters, rows: Sequence[AtIso]
-) -> LeagueEntry:
+def _entry(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
+    """A sensor without ranks; one with the name of a camera has the pixel of each ISO speed."""
+    cut = _on_grid(sensor)
+    filters, facts = _of_filters(cut), camera_facts().get(sensor.name)
+    if facts is None:
+        known = not is_assumed(sensor, "read_noise_e")
+        rows = [_at_iso(point_at_iso(cut, iso), iso, filters.matrix, known=known) for iso in speeds]
+    else:
+        rows = [_of_camera(cut, iso, filters.matrix, facts) for iso in speeds]
+    unused = () if facts is None else assumptions(sensor)  # of one ISO speed alone
     return LeagueEntry(
         name=sensor.label,
-        camera=camera,
+        camera="" if facts is None else facts.camera,
+        has_own_peaks=facts is not None and facts.has_own_peaks,
         **{one.name: getattr(filters, one.name) for one in RANKED},
         iso=tuple(rows),
-        notes=sensor.notes,
+        notes=tuple(note for note in sensor.notes if note not in unused),
         ranks={},
         ties={},
     )
+
+
+def _of_camera(sensor: Sensor, iso: float, matrix: ColorMatrix, facts: CameraFacts) -> AtIso:
+    if iso < facts.base_iso or facts.has_own_peaks:
+        return AtIso(iso=iso, read_noise_e=None)
+    pixel = camera_pixel(sensor, iso)
+    there = replace(sensor, pixel=replace(sensor.pixel, **pixel.known))
+    known = pixel.read_noise_e is not None
+    return _at_iso(point_at_iso(there, iso), iso, matrix, known=known)
 
 
 def league(
@@ -410,7 +443,7 @@ def league(
     iso: str | float | Sequence[float] = DEFAULT_ISO,
     by: str = RANKED[0].name,
 ) -> "League":
-    """The cameras of the catalog, and sensors of one's own among them, by color and noise.
+    """Rank the cameras of the catalog, with sensors of one's own among them, by color and noise.
 
     Parameters
     ----------
@@ -426,7 +459,7 @@ def league(
     Returns
     -------
     League
-        Standings from the least to the largest color SNR loss.
+        The cameras sorted by ``by``, the best first, and the sensors with their ranks among them.
 
     Raises
     ------
@@ -447,23 +480,19 @@ def league(
     ('canon-eos-1ds-mark-iii', 2.57)
     """
     speeds = iso_speeds(iso)
-    words = [one if isinstance(one, Sensor) else str(one) for one in sensors]
-    given = [
-        one if isinstance(one, Sensor) or one in camera_facts() else resolve_sensor(one)
-        for one in words
-    ]
+    given = [one if isinstance(one, Sensor) else resolve_sensor(str(one)) for one in sensors]
     return league_of(given, speeds=speeds, by=by)
 
 
 def league_of(
-    sensors: Sequence[Sensor | str], *, speeds: tuple[float, ...] = (), by: str = RANKED[0].name
+    sensors: Sequence[Sensor], *, speeds: tuple[float, ...] = (), by: str = RANKED[0].name
 ) -> "League":
     """`league` of sensors, without noise where no ISO speed is given.
 
     Parameters
     ----------
     sensors
-        Sensors of one's own, on the grid of the catalog, or names of cameras.
+        Sensors of one's own, on the grid of the catalog.
     speeds
         ISO speeds. [1]
     by
@@ -474,31 +503,36 @@ def league_of(
     InputError
         As `league`.
     """
-    cameras = _cameras(speeds)
-    by_name = {one.name: one for one in cameras}
-    own = [by_name[one] if isinstance(one, str) else _own(one, speeds) for one in sensors]
+    cameras, own = _cameras(speeds), [_entry(one, speeds) for one in sensors]
     check.distinct("sensors", [one.name for one in own])
     order = check.one_of("by", by, [one.name for one in RANKED])
     ranked = [_ranked(one, cameras) for one in cameras]
     return League(
         speeds=speeds,
         by=order,
-        cameras=tuple(sorted(ranked, key=lambda one: one.ranks[order])),
+        cameras=tuple(sorted(ranked, key=lambda one: one.ranks.get(order, len(ranked)))),
         sensors=tuple(_ranked(one, cameras) for one in own),
     )
 
 
-def _ranked(standing: LeagueEntry, cameras: Sequence[LeagueEntry]) -> LeagueEntry:
+def _ranked(entry: LeagueEntry, cameras: Sequence[LeagueEntry]) -> LeagueEntry:
     ranks, ties = {}, {}
     for one in RANKED:
+        if one.of_heights and entry.has_own_peaks:
+            continue
         sign = -1.0 if one.more_is_better else 1.0
-        own = getattr(standing, one.name)
-        others = [camera for camera in cameras if camera.name != standing.name]
-        away = [sign * (getattr(camera, one.name) - own) for camera in others]
+        others = _others(entry, cameras, one)
+        away = [sign * (getattr(camera, one.name) - getattr(entry, one.name)) for camera in others]
         ranks[one.name] = 1 + sum(distance < 0 for distance in away)
         near = zip(others, away, strict=True)
         ties[one.name] = tuple(other.name for other, d in near if abs(d) < one.spread)
-    return replace(standing, ranks=ranks, ties=ties)
+    return replace(entry, ranks=ranks, ties=ties)
+
+
+def _others(entry: LeagueEntry, cameras: Sequence[LeagueEntry], by: Ranked) -> list[LeagueEntry]:
+    """The cameras with which an entry is compared."""
+    rest = [camera for camera in cameras if camera.name != entry.name]
+    return [one for one in rest if not (by.of_heights and one.has_own_peaks)]
 
 
 def _conditions(_: Any) -> str:
@@ -537,49 +571,34 @@ class League(Result):
         """Where each sensor of one's own stands; without one, the best cameras."""
         if self.sensors:
             return tuple(map(self.place, self.sensors))
-        return (*(self._best(one) for one in RANKED[:2]), *self._quietest())
+        return tuple(map(self._best, RANKED[:2]))
 
-    def place(self, standing: LeagueEntry) -> str:
-        """Loss and color error of a sensor, and how many cameras have more, in a sentence."""
+    def place(self, entry: LeagueEntry) -> str:
+        """Loss and color error of a sensor, and how many other cameras have more, in a sentence."""
         parts = []
         for one in RANKED[:2]:
-            unit = one.unit.replace("Delta E", "ΔE")
-            value = f"{format(getattr(standing, one.name), one.digits)} {unit}"
-            parts.append(f"{one.label} {value}, {self._worse(standing.ranks[one.name])}")
-        return f"{standing.name}: {'; '.join(parts)}."
+            value = f"{one.label} {entry.told(one)}"
+            parts.append(value + self._among(entry, one))
+        return f"{entry.name}: {'; '.join(parts)}."
 
-    def _worse(self, rank: int) -> str:
-        """Than how many cameras a sensor of this rank has less of what is better low."""
-        count, better = len(self.cameras), rank - 1
-        if better == count:
-            return f"more than all {count} cameras"
-        if better == 0:
-            return f"less than all {count} cameras"
-        return f"less than {count - better} of {count} cameras"
+    def _among(self, entry: LeagueEntry, by: Ranked) -> str:
+        if by.name not in entry.ranks:
+            return " (without a rank, because each channel is divided by its own peak)"
+        others = _others(entry, self.cameras, by)
+        ties, value = len(entry.ties[by.name]), getattr(entry, by.name)
+        lower = sum(getattr(one, by.name) >= value + by.spread for one in others)
+        count = f"{len(others)} {'other ' if entry.camera else ''}cameras"
+        if lower == len(others):
+            return f", lower than all {count}"
+        if not lower and not ties:
+            return f", higher than all {count}"
+        return f", lower than {lower} of {count}{f', tied with {ties}' if ties else ''}"
 
     def _best(self, one: Ranked) -> str:
-        best = min(self.cameras, key=lambda camera: camera.ranks[one.name])
+        best = min(self.cameras, key=lambda camera: camera.ranks.get(one.name, len(self.cameras)))
         tied = best.ties[one.name]
-        value = format(getattr(best, one.name), one.digits)
-        unit = one.unit.replace("Delta E", "ΔE")
         with_ties = f", tied with {_listed(tied)}" if tied else ""
-        most = "largest" if one.more_is_better else "least"
-        return f"{best.name} has the {most} {one.label} ({value} {unit}{with_ties})."
-
-    def _quietest(self) -> tuple[str, ...]:
-        """The camera of least visual noise at the middle speed where any is known."""
-        if not self.speeds:
-            return ()
-        i = len(self.speeds) // 2
-        known = [camera for camera in self.cameras if camera.iso[i].visual_noise is not None]
-        if not known:
-            return ()
-        best = min(known, key=lambda camera: camera.iso[i].visual_noise or 0.0)
-        return (
-            f"At ISO {self.speeds[i]:g}, equal light and equal area, {best.name} has the least "
-            f"visual noise of the {len(known)} cameras with known read noise "
-            f"({best.iso[i].visual_noise:.2f}).",
-        )
+        return f"{best.name} has the lowest {one.label} ({best.told(one)}{with_ties})."
 
     def to_table(self) -> Table:
         """One row per sensor and camera; visual noise at each ISO speed."""
@@ -598,22 +617,24 @@ class League(Result):
         Table
             One row per sensor and camera.
         """
-        last = len(self.speeds) - 1
-        speeds = sorted({round(i) for i in np.linspace(0, last, most)})
+        spread = np.linspace(0, len(self.speeds) - 1, most) if self.speeds else ()
+        speeds = sorted({round(i) for i in spread})
         return self._table([one for one in RANKED if one.name == self.by], speeds)
 
     def _table(self, ranked: Sequence[Ranked], speeds: Sequence[int]) -> Table:
         ranks = [Column(name=f"rank by {one.label}") for one in ranked]
         numbers = [Column(name=one.label, unit=one.unit, digits=one.digits) for one in RANKED]
-        noise = [Column(name=f"noise at ISO {self.speeds[i]:g}", digits=".2f") for i in speeds]
+        noise = [
+            Column(name=f"visual noise at ISO {self.speeds[i]:g}", digits=".2f") for i in speeds
+        ]
         rows = tuple(
             (
-                standing.name,
-                *(standing.rank(one) for one in ranked),
-                *(getattr(standing, one.name) for one in RANKED),
-                *(_noise(standing.iso[i]) for i in speeds),
+                entry.name,
+                *(entry.rank(one) for one in ranked),
+                *(getattr(entry, one.name) for one in RANKED),
+                *(_noise(entry.iso[i]) for i in speeds),
             )
-            for standing in (*self.sensors, *self.cameras)
+            for entry in (*self.sensors, *self.cameras)
         )
         return Table(
             title="League of cameras",
@@ -668,7 +689,7 @@ def iso_speeds(given: str | float | Sequence[float]) -> tuple[float, ...]:
     elif isinstance(given, str):
         speeds = [_speed(part) for part in given.split(",")]
     else:
-        speeds = [_speed(one) for one in ([given] if isinstance(given, int | float) else given)]
+        speeds = [_speed(one) for one in np.ravel(np.asarray(given)).tolist()]
     if sorted(set(speeds)) != speeds or not 1 <= len(speeds) <= MOST_SPEEDS:
         raise InputError(
             "iso",

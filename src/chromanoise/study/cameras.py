@@ -5,6 +5,7 @@ lead to both: at ISO speed S the sensor saturates at 78 / S lx s (ISO 12232:2019
 speed), and a noise profile contains the signal at which read noise and shot noise are equal.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 from math import sqrt
 
@@ -53,21 +54,59 @@ def _daylight(grid: Grid) -> Illuminant:
     return illuminant_named("D55", grid, beyond="zero")
 
 
-def camera_pixel(sensor: Sensor, iso: float | None = None) -> dict[str, float]:
-    """Full well and read noise of a camera of the catalog, by the names of `Pixel`.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraPixel:
+    """Electrons of a camera of the catalog at one ISO speed.
+
+    Attributes
+    ----------
+    iso
+        ISO speed. [1]
+    full_well_e
+        Electrons at saturation, at this ISO speed. [e-]
+    read_noise_e
+        Standard deviation of the reading; ``None`` where it is unknown. [e-]
+    """
+
+    iso: float
+    full_well_e: float
+    read_noise_e: float | None
+
+    @property
+    def known(self) -> dict[str, float]:
+        """The known values by the names of `chromanoise.sensor.Pixel`."""
+        values = {"full_well_e": self.full_well_e, "read_noise_e": self.read_noise_e}
+        return {name: value for name, value in values.items() if value is not None}
+
+    @property
+    def source(self) -> str:
+        """Where the values come from, in a phrase."""
+        noise = "; read noise from a noise profile" if self.read_noise_e is not None else ""
+        return (
+            f"full well at ISO {self.iso:g} by {SATURATION_LUX_S:g}/ISO lx s of D55 (ISO 12232)"
+            f"{noise}"
+        )
+
+
+def camera_pixel(
+    sensor: Sensor, iso: float | None = None, *, full_well_e: float | None = None
+) -> CameraPixel:
+    """Full well and read noise of a camera of the catalog.
 
     Parameters
     ----------
     sensor
         The camera; its name is that of the catalog.
     iso
-        ISO speed; ``None`` for the camera's base ISO speed.
+        ISO speed; ``None`` for the lowest with a known read noise, or the base ISO speed without
+        one.
+    full_well_e
+        Electrons at saturation; ``None`` for those of the ISO speed. [e-]
 
     Returns
     -------
-    dict
-        ``full_well_e``: electrons at saturation at this ISO speed; ``read_noise_e``, where it is
-        known. [e-]
+    CameraPixel
+        Its read noise is ``None`` at ISO speeds for which no noise profile is known.
 
     Raises
     ------
@@ -84,15 +123,16 @@ def camera_pixel(sensor: Sensor, iso: float | None = None) -> dict[str, float]:
     if sensor.name not in camera_facts():
         raise InputError("camera", "must be a camera of the catalog", value=sensor.name)
     base = camera_facts()[sensor.name].base_iso
-    speed = float(base if iso is None else iso)
-    full_well_e = saturation_electrons(sensor, speed)
+    lowest = next(iter(camera_noise().get(sensor.name, ())), float(base))
+    speed = lowest if iso is None else float(iso)
+    full = saturation_electrons(sensor, speed) if full_well_e is None else full_well_e
     if speed < base:
         raise InputError(
             f"ISO speed of {sensor.name}", f"must be at least {base}, its lowest", value=speed
         )
     share = _equal_noise(sensor.name, speed)
-    known = {} if share is None else {"read_noise_e": sqrt(share * full_well_e)}
-    return {"full_well_e": full_well_e, **known}
+    read_noise_e = None if share is None else sqrt(share * full)
+    return CameraPixel(iso=speed, full_well_e=full, read_noise_e=read_noise_e)
 
 
 def _equal_noise(name: str, iso: float) -> float | None:

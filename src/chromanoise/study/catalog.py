@@ -174,12 +174,16 @@ def sensor_from_table(
         mosaic=mosaic_named(provenance.mosaic) if provenance.mosaic else None,
         origin="measured",
     )
+    electrons: tuple[str, ...] = ()
     if provenance.kind == "camera":
-        known = {**camera_pixel(sensor), **known}
+        found = camera_pixel(sensor, full_well_e=known.get("full_well_e"))
+        known = {**found.known, **known}
         sensor = replace(sensor, pixel=replace(sensor.pixel, **known))
+        electrons = (found.source,)
     notes = (
         provenance.source,
         *([] if provenance.defects.strip(" .").lower() == "none" else [provenance.defects]),
+        *electrons,
         *assumed_pixel(provenance.name, sensor.pixel, known),
         *resampled.notes,
     )
@@ -545,12 +549,22 @@ def entries_as_json(entries: Sequence[Entry]) -> dict[str, Any]:
 
 def pixel_summary(entry: Entry) -> str:
     """The pixel of a sensor in one phrase, with the source of each number."""
-    provenance = entry.provenance
-    known = ", ".join(f"{key} {value:g}" for key, value in provenance.pixel.items())
-    absent = [key for key in PIXEL_REQUIRED if key not in provenance.pixel]
+    values, source = _known_pixel(entry.provenance)
+    known = ", ".join(f"{key} {value:.4g}" for key, value in values.items())
+    absent = [key for key in PIXEL_REQUIRED if key not in values]
     default = f"{', '.join(absent)} from the paper's pixel" if absent else ""
-    phrases = (f"{known} ({provenance.pixel_source})" if known else "", default)
+    phrases = (f"{known} ({source})" if known else "", default)
     return "; ".join(phrase for phrase in phrases if phrase)
+
+
+def _known_pixel(provenance: Provenance) -> tuple[dict[str, float], str]:
+    """What is known of a pixel, and its source; of a camera, electrons of its curves too."""
+    values, source = dict(provenance.pixel), provenance.pixel_source
+    if provenance.kind == "camera":
+        found = camera_pixel(sensor_named(provenance.name))
+        values |= found.known
+        source = "; ".join(filter(None, (source, found.source)))
+    return values, source
 
 
 def _as_json(entry: Entry) -> dict[str, Any]:
@@ -567,7 +581,7 @@ def _as_json(entry: Entry) -> dict[str, Any]:
     }
     if provenance.is_sensor:
         data["mosaic"] = provenance.mosaic or None
-        data["pixel"] = {**provenance.pixel, "told": pixel_summary(entry)}
+        data["pixel"] = {**_known_pixel(provenance)[0], "told": pixel_summary(entry)}
     return data
 
 

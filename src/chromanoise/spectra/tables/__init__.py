@@ -11,6 +11,11 @@ from chromanoise.spectra.provenance import Provenance, formula_provenances, tabl
 from chromanoise.spectra.readers import spectra_from_text
 
 _CAMERAS = "cameras"
+OWN_PEAKS = (
+    "each channel is divided by its own peak: color SNR loss, noise and colors are not those of "
+    "the camera"
+)
+"""The defect of curves without relative heights."""
 
 
 @cache
@@ -31,7 +36,7 @@ def _of_camera(shared: Provenance, facts: "CameraFacts") -> Provenance:
         shared,
         name=facts.name,
         what=f"{facts.camera} ({facts.year}): {', '.join(parts)}",
-        defects=f"{shared.defects}; {facts.defect}" if facts.defect else shared.defects,
+        defects=f"{shared.defects}; {OWN_PEAKS}" if facts.has_own_peaks else shared.defects,
         mosaic=facts.mosaic,
         pixel=pitch,
         pixel_source="maker's specification" if pitch else "",
@@ -102,8 +107,8 @@ class CameraFacts:
         The lowest ISO speed that is not extended. [1]
     mosaic
         As `Provenance.mosaic`.
-    defect
-        Of its curves; empty without one that the others do not have.
+    has_own_peaks
+        Whether each channel is divided by its own peak, so that their relative heights are lost.
     """
 
     name: str
@@ -113,7 +118,7 @@ class CameraFacts:
     pitch_um: float | None
     base_iso: int
     mosaic: str
-    defect: str
+    has_own_peaks: bool
 
 
 @cache
@@ -129,7 +134,7 @@ def camera_facts() -> Mapping[str, CameraFacts]:
             pitch_um=float(row["pitch_um"]) if row["pitch_um"] else None,
             base_iso=int(row["base_iso"]),
             mosaic=row["mosaic"],
-            defect=row["defect"],
+            has_own_peaks=row["own_peaks"] == "yes",
         )
         for row in rows
     }
