@@ -971,7 +971,7 @@ def test_the_league_has_the_filters_of_the_study_among_the_cameras_and_its_own_l
     other = study_of("model-rgb-ircut", level_lux=1.0, matrices=["lmmse"])
     assert as_data(drawing("league", shown(other))) == as_data(plain)
     rows = rows_in("league", shown(study_of("model-rgb-ircut")))
-    assert len(rows) == 53
+    assert len(rows) == 51  # without the two whose relative heights are lost
     assert rows[-1]["camera"] == "of this study"
     redder = study_from_data(
         {"sensors": [{"name": "model-rgb-ircut", "ircut_nm": 620.0}]}, source="a test"
