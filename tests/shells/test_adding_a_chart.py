@@ -110,6 +110,7 @@ def test_a_report_has_its_section_its_drawing_and_its_data(report):
     assert data["parts"]["pitches"]["table"]["rows"] == [["onyx-rgbw", "10"], ["onyx-rgb", "10"]]
 
 
+@pytest.mark.evidence
 def test_the_figures_of_a_report_have_it(copy, report):
     names = {one.name for one in (copy / "figures").iterdir()}
     assert {"pitches.svg", "pitches.pdf"} <= names
@@ -127,6 +128,7 @@ def test_the_page_draws_it_in_its_place(copy, report, window, monkeypatch):
         page.close()  # before the server, whose end it would report
 
 
+@pytest.mark.evidence
 def test_the_report_draws_it_in_a_browser(copy, report, window):
     page = window(at=(copy / "report.html").as_uri(), wait=False)
     page.locator("section[data-part=pitches]").get_by_text("10 um wide").last.wait_for()

@@ -93,6 +93,7 @@ def test_the_help_lists_it_with_its_line_and_its_options(answers):
     assert "--lux FLOAT" in answers["help"]
 
 
+@pytest.mark.evidence
 def test_it_runs_and_its_errors_are_sentences(answers):
     assert answers["run"][0] == 0
     assert answers["run"][1].split() == ["R", "G", "B"]

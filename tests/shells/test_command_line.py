@@ -413,6 +413,7 @@ def test_analyze_takes_another_matrix_and_tells_every_patch_of_the_chart(run):
     assert "neutral 6.5" in out
 
 
+@pytest.mark.evidence
 def test_compare_tells_the_band_over_priors(run):
     arguments = ("compare", "onyx-rgbw", "onyx-rgb-ircut", "--matrix", "lmmse", "--points", 9)
     code, out, _ = run(*arguments, "--sweep", "lux=0.05:5", "--prior", "all", "--json", "-")

@@ -156,6 +156,7 @@ TWICE = [  # a study of each kind, with a file, labels, pictures and sweeps
 ]
 
 
+@pytest.mark.evidence
 def test_copied_commands_run_twice_in_one_folder_and_beside_each_other(
     run, curves, monkeypatch, tmp_path
 ):

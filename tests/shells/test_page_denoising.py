@@ -107,6 +107,7 @@ def test_the_noisy_picture_stands_on_both_sides_until_the_denoised_one_has_come(
     assert DENOISING["guided"].what in panel.inner_text()
 
 
+@pytest.mark.evidence
 def test_the_divider_goes_by_keys_from_the_denoised_to_the_noisy_picture(window):
     page = window({"study": STUDY | {"pictures": [{"denoise": "guided"}]}})
     panel = page.locator(PANEL)

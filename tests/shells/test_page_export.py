@@ -380,6 +380,7 @@ def folder_of(tmp_path, monkeypatch, files):
     return empty
 
 
+@pytest.mark.evidence
 @pytest.mark.usefixtures("plain_report")
 def test_no_file_of_a_study_is_written_by_its_report(tmp_path, monkeypatch):
     pixel = 'schema = "chromanoise pixel"\nschema_version = 1\nread_noise_e = 2.4\n'

@@ -174,6 +174,7 @@ def test_a_value_of_the_pixel_goes_back_to_the_sensors_own(window):
     assert parts["numbers"]["sensors"][0]["pitch_um"] == 10.0
 
 
+@pytest.mark.evidence
 def test_the_wheel_moves_the_slider_that_has_the_focus_and_no_other(window):
     page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}})
     track = page.get_by_label("f-number", exact=True)
@@ -218,6 +219,7 @@ def test_a_file_is_chosen_or_typed_beside_its_control_and_taken_away(window, tmp
     assert "crosstalk" not in question["study"]["sensors"][0]
 
 
+@pytest.mark.evidence
 def test_one_sensor_alone_has_a_verdict_and_every_drawing(window):
     page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}})
     assert "onyx-rgbw has" in page.locator("#verdict").inner_text()

@@ -109,6 +109,7 @@ def test_a_sensor_comes_beside_the_others_or_in_place_of_one_in_the_present_ligh
     assert question["study"]["matrices"] == PAIR["matrices"]
 
 
+@pytest.mark.evidence
 def test_the_cloud_shows_any_two_objectives_and_reads_every_point(cloud, front):
     data = json.loads(front.as_json())
     undefined = along(front)[0]
@@ -171,6 +172,7 @@ def test_axe_finds_no_fault_and_the_cloud_fits(cloud, axe, size, scheme):
     assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
 
 
+@pytest.mark.evidence
 def test_modules_of_the_front_are_loaded_with_one_alone(window):
     page = window({"study": PAIR, "look": {}})
     names = page.evaluate("performance.getEntriesByType('resource').map((one) => one.name)")

@@ -67,6 +67,7 @@ def test_the_panels_have_order_headings_and_captions_of_the_sections(window):
     assert told == expected
 
 
+@pytest.mark.evidence
 def test_the_first_two_reasons_are_shown_and_a_button_shows_all(window):
     page = window()
     reasons = page.locator("#reasons li")
@@ -259,6 +260,7 @@ def test_the_same_patches_stand_left_and_right_of_the_divider_wherever_it_is(win
     assert seen["room"] <= of["viewport"]["width"]
 
 
+@pytest.mark.evidence
 def test_one_sensor_stands_beside_itself_without_noise(window):
     page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}, "look": {}})
     panel = page.locator("[data-part=picture]")

@@ -63,6 +63,7 @@ def test_two_parameters_and_a_quantity_are_chosen_and_taken_away(window):
     panel.locator(".d-map").wait_for(state="detached")
 
 
+@pytest.mark.evidence
 def test_a_range_that_does_not_rise_is_a_sentence_in_place_of_the_map(window):
     page = window({"study": PAIR | {"sweeps": [MAP]}, "look": {}})
     panel = mapped(page)
@@ -73,6 +74,7 @@ def test_a_range_that_does_not_rise_is_a_sentence_in_place_of_the_map(window):
     assert "rise" in fault.inner_text()
 
 
+@pytest.mark.evidence
 def test_a_cell_is_read_by_keyboard_and_by_pointing(window):
     page = window({"study": PAIR | {"sweeps": [MAP]}, "look": {"open": ["map"]}})
     panel = mapped(page)

@@ -327,6 +327,7 @@ def test_with_a_kernel_all_that_is_seen_comes_in_one_answer(window):
     assert {"numbers", "levels", "pareto", "chart", "vectors"} <= set(question["want"])
 
 
+@pytest.mark.evidence
 def test_a_trade_of_saturated_sensors_is_sentences_and_no_empty_frame(window):
     exposure = {"time_ms": 1000.0}
     light = {"level_lux": 10_000.0}
@@ -373,6 +374,7 @@ def test_the_page_shows_the_sentence_of_the_server_as_it_is(page):
     assert alert.inner_text() == sentence
 
 
+@pytest.mark.evidence
 def test_a_sensor_that_stands_there_twice_has_two_pictures_of_two_names(window):
     twice = [PAIR[0], PAIR[0] | {"ircut_nm": 700.0}]
     page = window({"study": {"sensors": twice}, "look": {}})

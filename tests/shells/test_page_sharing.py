@@ -66,6 +66,7 @@ def test_a_dropped_lamp_becomes_the_light(window):
     assert shown(page) != before
 
 
+@pytest.mark.evidence
 def test_a_dropped_study_is_told_first_and_shown_when_it_is_opened(window):
     page = window()
     before = page.url
@@ -78,6 +79,7 @@ def test_a_dropped_study_is_told_first_and_shown_when_it_is_opened(window):
     assert "2.5 lx" in page.locator("#verdict").inner_text()
 
 
+@pytest.mark.evidence
 def test_every_fault_of_a_dropped_study_is_a_sentence_of_its_own(window):
     page = window()
     brought = bring(page, "a.toml", TOML.replace("2.5", "-2.5") + "shift_nm = 900\n")

@@ -178,6 +178,7 @@ def test_the_tour_has_an_end_is_left_by_a_slider_and_can_be_resumed(window):
     assert study_of(page) == (own or STUDY)
 
 
+@pytest.mark.evidence
 def test_a_link_opens_the_tour_at_its_step(window):
     page = window({"study": STEPS[2]["study"], "look": {"story": 3}})
     comes_to(page, 3)

@@ -342,6 +342,7 @@ def results(workers, *jobs):
     return asyncio.run(each())
 
 
+@pytest.mark.evidence
 def test_a_computation_that_takes_too_long_is_stopped_and_the_next_is_answered(
     workers, monkeypatch
 ):
@@ -462,6 +463,7 @@ def test_a_client_that_has_gone_ends_its_job():
     assert ended == [True]
 
 
+@pytest.mark.evidence
 def test_without_fork_each_process_is_started_separately(monkeypatch):
     monkeypatch.setattr(processes, "FORKS", False)
     workers = Workers(None)

@@ -51,6 +51,7 @@ def test_without_the_option_no_result_has_the_key(done):
     assert "pipeline" not in json.loads(out)["sensors"][0]
 
 
+@pytest.mark.evidence
 def test_the_tables_show_patches_and_isos(done):
     words = WORDS[: WORDS.index("--white-balance")]
     out, _ = done(*words, "--white-balance", "gray", "--white-balance-pixels", 100)

@@ -108,6 +108,7 @@ def test_the_file_asks_for_nothing_from_elsewhere(page):
     assert "default-src 'none'" in page
 
 
+@pytest.mark.evidence
 def test_the_file_is_under_a_megabyte_beside_its_pictures(page):
     pictures = sum(map(len, re.findall(r"data:image/[^\"]*", page)))
     assert pictures > 0
@@ -452,6 +453,7 @@ def test_a_browser_draws_every_chart_from_disk(seen):
     assert seen.title().startswith(TITLE)
 
 
+@pytest.mark.evidence
 def test_every_table_of_the_file_is_that_of_its_chart(seen, there):
     for part in PARTS:
         if part != "head":

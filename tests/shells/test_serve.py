@@ -339,6 +339,7 @@ def test_a_dropped_sensor_is_previewed_and_answers_under_its_own_name(client):
     assert "tmp" not in json.dumps(head)
 
 
+@pytest.mark.evidence
 def test_the_copied_command_names_a_dropped_file_and_runs_twice_where_the_file_lies(
     client, run, tmp_path, monkeypatch
 ):
