@@ -417,9 +417,15 @@ def catalog_entries(kind: str | None = None, *, folder: Path | None = None) -> t
         If the kind is unknown, or a table in the folder has no provenance.
     """
     kinds = [*KINDS] if kind is None else [check.one_of("kind", kind, [*KINDS])]
-    own = own_tables(folder)
-    entries = [*map(_built_in, _provenances()), *map(_own, own.values())]
-    return tuple(e for word in kinds for e in entries if e.provenance.kind == KINDS[word])
+    own = own_tables(folder).values()
+    return tuple(
+        entry
+        for word in kinds
+        for entry in (
+            *(_built_in(one) for one in _provenances() if one.kind == KINDS[word]),
+            *(_own(table) for table in own if table.provenance.kind == KINDS[word]),
+        )
+    )
 
 
 def catalog_entry(name: str, *, folder: Path | None = None) -> Entry:
