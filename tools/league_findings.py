@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import spearmanr
 
+import chromanoise as cn
 from chromanoise.color import white_preserving
 from chromanoise.metrics import mean_chart_errors
 from chromanoise.spectra.tables import camera_facts
@@ -15,7 +16,6 @@ from chromanoise.study import (
     Viewing,
     camera_pixel,
     electrons_at,
-    league,
     noise_as_viewed,
     point_at_iso,
     sensor_named,
@@ -28,7 +28,7 @@ PERIODS = ((2004, 2009), (2010, 2016), (2017, 2025))
 
 def main() -> None:
     """Correlations with the year and among numbers, medians of periods, and the range of noise."""
-    result = league()
+    result = cn.league()
     facts = camera_facts()
     cameras = [one for one in result.cameras if not one.has_own_peaks]
     years = np.array([facts[one.name].year for one in cameras])

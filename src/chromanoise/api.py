@@ -19,6 +19,7 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Cube, Illuminant, OwnObserver, PatchPairs, Spectra
 from chromanoise.study import (
     CURVES,
+    DEFAULT_ISO,
     DEFAULT_METHOD,
     Analyses,
     AnalysisSettings,
@@ -28,6 +29,8 @@ from chromanoise.study import (
     ComparisonSettings,
     DenoiseSettings,
     Given,
+    League,
+    LeagueSettings,
     MapSettings,
     MatrixResult,
     MatrixSettings,
@@ -41,6 +44,7 @@ from chromanoise.study import (
     in_arguments,
     interface_of,
     is_of_colour_science,
+    league_of_study,
     object_word,
     read_study,
     run as run_of,
@@ -360,6 +364,65 @@ def _raw_pictures(
         if value is not None:
             raise InputError(name, "must be given only for a raw dump", value=value)
     return (frame_of_array(picture),) if unit == "DN" else (electrons_of_array(picture),)
+
+
+@_with_listed_settings
+def league(
+    *sensors: str | Path | Sensor | object,
+    iso: str | float | Sequence[float] = DEFAULT_ISO,
+    by: str = "color_snr_loss_db",
+    **settings: Unpack[LeagueSettings],
+) -> League:
+    """Rank the cameras of the catalog, with sensors of one's own among them, by color and noise.
+
+    Parameters
+    ----------
+    sensors
+        Sensors of one's own, as in `analyze`, with 3 channels or more. Their curves count from 400
+        to 780 nm. A camera of the catalog has the pixel of each ISO speed, any other sensor its
+        own.
+    iso
+        ISO speeds: ``100:25600`` in whole stops, ``100,400``, or numbers.
+    by
+        The number by which the cameras are sorted, the best first: ``color_snr_loss_db``,
+        ``color_error``, ``smi`` or ``colors_bits``.
+    settings
+        Pixels, filters and files of the sensors, as the options of ``chromanoise league``; see the
+        list below.
+
+    Returns
+    -------
+    League
+        The cameras sorted by ``by``, the best first, and the sensors with their ranks among them.
+
+    Raises
+    ------
+    InputError
+        If a sensor cannot be read or has fewer than 3 channels, or a speed is out of range.
+
+    Notes
+    -----
+    Exposures per ISO speed are those of ISO 12232 (2019), SMI is that of ISO 17321-1 (2012), visual
+    noise that of ISO 15739 (2017). The colors are those of
+    `chromanoise.metrics.distinguishable_colors_bits`.
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> best = cn.league(iso=800).cameras[0]
+    >>> best.name, round(best.color_snr_loss_db, 2)
+    ('canon-eos-1ds-mark-iii', 2.57)
+    """
+    named = _Named()
+    try:
+        names, rest = named.of(sensors, settings, none=True)
+        if not names and any(value is not None for value in rest.values()):
+            need = "must name a sensor, because settings of sensors are given"
+            raise InputError("sensors", need, value=0)
+        study = study_of("league", names, rest) if names else None
+        return league_of_study(study, iso=iso, by=by, given=named.given)
+    except InputError as error:
+        raise in_arguments(error, "league") from error.__cause__
 
 
 @_with_listed_settings

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+import chromanoise as cn
 from chromanoise.color import cielab
 from chromanoise.metrics import pair_distances
 from chromanoise.noise import Exposure, expected_electrons, with_noise
@@ -21,7 +22,6 @@ from chromanoise.study import (
     Viewing,
     camera_pixel,
     iso_speeds,
-    league,
     noise_as_viewed,
     sensor_named,
 )
@@ -31,12 +31,13 @@ from outcomes import refused_input
 AT = np.arange(400.0, 781.0, 5.0)
 EYE = np.array([colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"][nm] for nm in AT])
 SIDE_UM = 4.0
+GRID_NM = range(400, 1051, 10)
 OWN_PEAKS = {"nikon-d5100", "arri-d21"}
 
 
 @pytest.fixture(scope="module")
 def standings():
-    return {one.name: one for one in league().cameras}
+    return {one.name: one for one in cn.league().cameras}
 
 
 def lamp_of(name):
@@ -192,7 +193,7 @@ def test_two_measurements_of_one_camera_differ_by_the_spread():
             [np.interp(at, rows[:, 0], rows[:, i], right=0.0) / at for i in (1, 2, 3)]
         )
         other = replace(sensor, name=f"{name} again", qe=again * 0.5 / again.max())
-        result = league(other, iso=100)
+        result = cn.league(other, iso=100)
         first = next(one for one in result.cameras if one.name == name)
         (second,) = result.sensors
         pairs.append([getattr(first, k.name) - getattr(second, k.name) for k in RANKED])
@@ -221,22 +222,24 @@ def test_a_tie_is_a_camera_nearer_than_the_spread(standings):
 
 
 def test_the_sentence_of_a_sensor_counts_the_cameras_that_are_surely_worse(standings):
-    (one,) = league("nikon-d850", iso=800).sensors
+    (one,) = cn.league("nikon-d850", iso=800).sensors
     loss, error = (getattr(one, ranked.name) for ranked in RANKED[:2])
     others = [x for x in standings.values() if x.name != one.name]
     worse = [
         sum(x.color_snr_loss_db >= loss + 0.16 for x in others if x.name not in OWN_PEAKS),
         sum(x.color_error >= error + 0.34 for x in others),
     ]
-    (sentence,) = league("nikon-d850", iso=800).sentences
-    counts = [int(x) for x in re.findall(r"lower than (\d+) of", sentence)]
-    assert counts == worse
-    assert [int(x) for x in re.findall(r"of (\d+) other", sentence)] == [49, 51]
+    (sentence,) = cn.league("nikon-d850", iso=800).sentences
+    assert [int(x) for x in re.findall(r"lower than (\d+)", sentence)] == worse
+    told = re.findall(
+        r"lower than (\d+), tied with (\d+), higher than (\d+) of (\d+) other", sentence
+    )
+    assert [sum(map(int, one[:3])) for one in told] == [int(one[3]) for one in told] == [49, 51]
 
 
 def test_a_camera_of_ones_own_has_the_numbers_and_the_place_of_that_camera(standings):
     own = replace(sensor_named("sony-ilce-7rm4"), name="mine")
-    (mine,) = league(own, iso=[400]).sensors
+    (mine,) = cn.league(own, iso=[400]).sensors
     same = standings["sony-ilce-7rm4"]
     for ranked in RANKED:
         assert getattr(mine, ranked.name) == pytest.approx(getattr(same, ranked.name), rel=1e-12)
@@ -252,7 +255,7 @@ def test_without_read_noise_and_below_the_base_speed_there_is_no_noise(standings
 
 def test_a_sensor_that_saturates_has_no_noise_at_this_speed():
     sensor = sensor_named("nikon-d3300", pixel={"full_well_e": 500.0})
-    (mine,) = league(replace(sensor, name="small"), iso=(100, 25600)).sensors
+    (mine,) = cn.league(replace(sensor, name="small"), iso=(100, 25600)).sensors
     assert (mine.iso[0].saturated, mine.iso[0].visual_noise) == (True, None)
     assert mine.iso[1].visual_noise > 0
 
@@ -261,25 +264,25 @@ def test_a_sensor_that_saturates_has_no_noise_at_this_speed():
     "given", [lambda: "nikon_d850", lambda: sensor_named("nikon-d850"), lambda: "nikon-d850"]
 )
 def test_a_camera_has_the_noise_of_its_iso_speeds_however_it_is_given(standings, given):
-    (one,) = league(given()).sensors
+    (one,) = cn.league(given()).sensors
     assert one.iso == standings["nikon-d850"].iso
 
 
 def test_without_a_known_read_noise_a_sensor_has_no_noise():
     lone = replace(sensor_named("sony-ilce-7m4"), name="mine")
-    (one,) = league(lone, iso=800).sensors
+    (one,) = cn.league(lone, iso=800).sensors
     assert (one.iso[0].read_noise_e, one.iso[0].visual_noise) == (None, None)
 
 
 def test_channels_divided_by_their_own_peaks_have_no_noise_and_no_rank_in_loss():
     for name in OWN_PEAKS:
-        (one,) = league(sensor_named(name)).sensors
+        (one,) = cn.league(sensor_named(name)).sensors
         assert set(one.ranks) == {"color_error", "smi"}
         assert all(at.visual_noise is None for at in one.iso)
 
 
 def test_the_first_sentences_name_the_best_and_their_ties():
-    first, second = league(iso=800).sentences
+    first, second = cn.league(iso=800).sentences
     assert first.startswith("canon-eos-1ds-mark-iii has the lowest color SNR loss (2.57 dB")
     assert second.startswith("canon-eos-200d-ii has the lowest color error (1.85 ΔE*ab, tied with")
 
@@ -287,7 +290,7 @@ def test_the_first_sentences_name_the_best_and_their_ties():
 def test_a_sensor_on_a_coarser_grid_is_refused():
     coarse = sensor_named("onyx-rgb", Grid.uniform(400, 1050, 10))
     with refused_input(subject="grid of onyx-rgb"):
-        league(coarse)
+        cn.league(coarse)
 
 
 def test_speeds_are_whole_stops_or_a_list():
@@ -307,8 +310,52 @@ def test_what_is_no_speed_is_refused(wrong):
 
 def test_sensors_without_a_place_are_refused():
     with refused_input(subject="model-mono"):
-        league("model-mono")
+        cn.league("model-mono")
     with refused_input(subject="sensors", value="nikon-d850"):
-        league("nikon-d850", "nikon-d850")
+        cn.league("nikon-d850", "nikon-d850")
     with refused_input(subject="by"):
-        league(by="price")
+        cn.league(by="price")
+
+
+def test_a_file_with_the_name_of_a_camera_keeps_its_own_pixel(tmp_path):
+    rows = [
+        f"{nm},{0.4 * (nm > 590)},{0.4 * (500 < nm < 590)},{0.4 * (nm < 500)}" for nm in GRID_NM
+    ]
+    path = tmp_path / "nikon-d850.csv"
+    path.write_text("\n".join(["wavelength_nm,R,G,B", *rows]))
+    (one,) = cn.league(path, iso=6400, read_noise_e=3.0, full_well_e=2e4, pitch_um=4.0).sensors
+    assert (one.camera, one.iso[0].read_noise_e) == ("", 3.0)
+    assert one.iso[0].visual_noise > 0
+    (plain,) = cn.league(path, iso=6400).sensors
+    assert (plain.iso[0].read_noise_e, plain.iso[0].visual_noise) == (None, None)
+
+
+def test_a_camera_with_another_pixel_has_this_pixel_at_every_speed():
+    (one,) = cn.league("nikon-d850", iso=(400, 6400), read_noise_e=50.0).sensors
+    assert [at.read_noise_e for at in one.iso] == [50.0, 50.0]
+
+
+def test_relative_and_short_curves_take_part_with_their_answers(tmp_path):
+    path = tmp_path / "short.csv"
+    rows = [
+        f"{nm},{(nm > 590) / 2},{(500 < nm < 590) / 1},{(nm < 500) / 3}"
+        for nm in range(400, 701, 10)
+    ]
+    path.write_text("\n".join(["wavelength_nm,R,G,B", *rows]))
+    (one,) = cn.league(path, iso=800, peak_qe=0.5, beyond="zero", level="relative").sensors
+    assert one.color_error > 0
+
+
+def test_settings_without_a_sensor_are_refused():
+    with refused_input(subject="sensors"):
+        cn.league(read_noise_e=2.0)
+
+
+def test_the_cloud_has_a_point_per_camera_and_sensor():
+    import matplotlib.pyplot as plt
+
+    axes = cn.league("model-rgb-ircut", iso=800).plot()
+    clouds = [line for line in axes.lines if len(line.get_xdata()) > 10]
+    assert [len(line.get_xdata()) for line in clouds] == [50]
+    assert "color SNR loss [dB]" in axes.get_xlabel()
+    plt.close(axes.figure)

@@ -58,6 +58,7 @@ if TYPE_CHECKING:
         map_figures as map_figures,
         study_figures as study_figures,
     )
+    from chromanoise.charts.league import draw_league as draw_league
     from chromanoise.charts.levels import at_level, level_curves
     from chromanoise.charts.machine_verdicts import machine_tables as machine_tables
     from chromanoise.charts.numbers import (

@@ -39,7 +39,7 @@ def draw_league(league: League, ax: Axes) -> Axes:
     league
         With the cameras and the sensors of one's own.
     ax
-        Axes of matplotlib.
+        Axes of matplotlib to draw on.
     """
     names = [one.name for one in league.sensors]
     return draw_panel(_chart(names, league, league.sensors, ()), 0, ax)

@@ -4,7 +4,8 @@ from typing import Any
 
 import click
 
-from chromanoise.cli.options import command, own_option, table_option
+from chromanoise.base import InputError
+from chromanoise.cli.options import command, own_option, table_option, with_settings
 from chromanoise.cli.output import (
     json_option,
     json_text,
@@ -14,12 +15,13 @@ from chromanoise.cli.output import (
     write_outputs,
 )
 from chromanoise.cli.terminal_tables import print_table
-from chromanoise.study import DEFAULT_ISO, RANKED, league as ranked_cameras
+from chromanoise.study import DEFAULT_ISO, RANKED, league_of_study, study_of
 
 _SHOWN = 3  # ISO speeds in the table on a terminal
 
 
 @command()
+@with_settings("league")
 @click.argument("sensors", nargs=-1, metavar="[SENSOR]...")
 @own_option(
     "--iso",
@@ -40,7 +42,12 @@ _SHOWN = 3  # ISO speeds in the table on a terminal
 @table_option
 @json_option
 def league(
-    sensors: tuple[str, ...], iso: str, by: Any, table: str | None, json_target: str | None
+    sensors: tuple[str, ...],
+    iso: str,
+    by: Any,
+    table: str | None,
+    json_target: str | None,
+    **settings: Any,
 ) -> None:
     """Rank the cameras of the catalog, with each SENSOR among them.
 
@@ -48,8 +55,12 @@ def league(
     per pixel area at each ISO speed. Low loss, error and noise are good; high SMI and colors are
     good. SENSOR is as in `chromanoise analyze`, with 3 channels or more.
     """
-    refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, {})
-    result = ranked_cameras(*sensors, iso=iso, by=by)
+    refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
+    given = [name for name, value in settings.items() if value is not None]
+    if given and not sensors:
+        raise InputError("SENSOR", "must be given, because options of sensors are", value=given[0])
+    study = study_of("league", sensors, settings) if sensors else None
+    result = league_of_study(study, iso=iso, by=by)
     write_outputs(
         (table, lambda: table_text(result.to_table(), str(table))),
         (json_target, lambda: json_text(result.to_dict())),

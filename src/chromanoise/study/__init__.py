@@ -55,8 +55,8 @@ if TYPE_CHECKING:
         LeagueEntry as LeagueEntry,
         Ranked as Ranked,
         iso_speeds as iso_speeds,
-        league as league,
         league_of,
+        league_of_study,
         point_at_iso as point_at_iso,
     )
     from chromanoise.study.camera_pipeline import (
@@ -184,6 +184,7 @@ if TYPE_CHECKING:
         CardSettings as CardSettings,
         ComparisonSettings as ComparisonSettings,
         DenoiseSettings as DenoiseSettings,
+        LeagueSettings as LeagueSettings,
         MapSettings as MapSettings,
         MatrixSettings as MatrixSettings,
         RenderSettings as RenderSettings,

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from math import floor, log2, sqrt
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -53,10 +52,11 @@ from chromanoise.spectra import (
 )
 from chromanoise.spectra.tables import CameraFacts, camera_facts, packaged_table
 from chromanoise.study.analysis import electrons_at
+from chromanoise.study.assembly import NOTHING_GIVEN, Given, sensor_of
 from chromanoise.study.cameras import AT_THE_SENSOR, GRAY_LUX_S, camera_pixel
-from chromanoise.study.catalog import assumptions, is_assumed
+from chromanoise.study.catalog import assumptions, is_assumed, sensor_named
 from chromanoise.study.color_noise import GRAY, Viewing, noise_as_viewed
-from chromanoise.study.resolve_names import resolve_sensor
+from chromanoise.study.schema import Study
 
 DEFAULT_ISO = "100:25600"
 MOST_SPEEDS = 32
@@ -404,13 +404,13 @@ def _on_grid(sensor: Sensor) -> Sensor:
 @lru_cache(maxsize=4)
 def _cameras(speeds: tuple[float, ...]) -> tuple[LeagueEntry, ...]:
     """All cameras of the catalog, without ranks."""
-    return tuple(_entry(resolve_sensor(name), speeds) for name in camera_facts())
+    return tuple(_entry(sensor_named(name), speeds) for name in camera_facts())
 
 
 def _entry(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
     """A sensor without ranks; one with the name of a camera has the pixel of each ISO speed."""
     cut = _on_grid(sensor)
-    filters, facts = _of_filters(cut), camera_facts().get(sensor.name)
+    filters, facts = _of_filters(cut), _facts_of(sensor)
     if facts is None:
         known = not is_assumed(sensor, "read_noise_e")
         rows = [_at_iso(point_at_iso(cut, iso), iso, filters.matrix, known=known) for iso in speeds]
@@ -429,6 +429,19 @@ def _entry(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
     )
 
 
+def _facts_of(sensor: Sensor) -> CameraFacts | None:
+    """The facts of a camera as it is in the catalog; of no other sensor of its name."""
+    facts = camera_facts().get(sensor.name)
+    if facts is None:
+        return None
+    listed = sensor_named(sensor.name, sensor.grid)
+    return facts if _same(sensor, listed) else None
+
+
+def _same(one: Sensor, other: Sensor) -> bool:
+    return one.pixel == other.pixel and np.array_equal(one.qe, other.qe)
+
+
 def _of_camera(sensor: Sensor, iso: float, matrix: ColorMatrix, facts: CameraFacts) -> AtIso:
     if iso < facts.base_iso or facts.has_own_peaks:
         return AtIso(iso=iso, read_noise_e=None)
@@ -438,56 +451,38 @@ def _of_camera(sensor: Sensor, iso: float, matrix: ColorMatrix, facts: CameraFac
     return _at_iso(point_at_iso(there, iso), iso, matrix, known=known)
 
 
-def league(
-    *sensors: str | Path | Sensor,
+def league_of_study(
+    study: Study | None,
+    *,
     iso: str | float | Sequence[float] = DEFAULT_ISO,
     by: str = RANKED[0].name,
+    given: Given = NOTHING_GIVEN,
 ) -> "League":
-    """Rank the cameras of the catalog, with sensors of one's own among them, by color and noise.
+    """The league of the sensors of a study, without one of the cameras alone.
 
     Parameters
     ----------
-    sensors
-        Sensors of one's own: catalog names, files of quantum efficiency, or `Sensor` objects, with
-        3 channels or more. Their curves count from 400 to 780 nm.
-    iso
-        ISO speeds: ``100:25600`` in whole stops, ``100,400``, or numbers.
-    by
-        The number by which the cameras are sorted, the best first: ``color_snr_loss_db``,
-        ``color_error``, ``smi`` or ``colors_bits``.
-
-    Returns
-    -------
-    League
-        The cameras sorted by ``by``, the best first, and the sensors with their ranks among them.
+    study
+        Its sensors take part, with their pixels and filters; all else is that of the league.
+    iso, by
+        As `chromanoise.league`.
+    given
+        Objects in place of names.
 
     Raises
     ------
     InputError
-        If a sensor cannot be read or has fewer than 3 channels, or a speed is out of range.
-
-    Notes
-    -----
-    Exposures per ISO speed are those of ISO 12232 (2019), SMI is that of ISO 17321-1 (2012), visual
-    noise that of ISO 15739 (2017). The colors are those of
-    `chromanoise.metrics.distinguishable_colors_bits`.
-
-    Examples
-    --------
-    >>> import chromanoise as cn
-    >>> best = cn.league(iso=800).cameras[0]
-    >>> best.name, round(best.color_snr_loss_db, 2)
-    ('canon-eos-1ds-mark-iii', 2.57)
+        As `chromanoise.league`.
     """
-    speeds = iso_speeds(iso)
-    given = [one if isinstance(one, Sensor) else resolve_sensor(str(one)) for one in sensors]
-    return league_of(given, speeds=speeds, by=by)
+    speeds, parts = iso_speeds(iso), () if study is None else study.sensors
+    sensors = [sensor_of(part, key=f"sensors.{i}", given=given) for i, part in enumerate(parts)]
+    return league_of(sensors, speeds=speeds, by=by)
 
 
 def league_of(
     sensors: Sequence[Sensor], *, speeds: tuple[float, ...] = (), by: str = RANKED[0].name
 ) -> "League":
-    """`league` of sensors, without noise where no ISO speed is given.
+    """The league of sensors, without noise where no ISO speed is given.
 
     Parameters
     ----------
@@ -496,12 +491,12 @@ def league_of(
     speeds
         ISO speeds. [1]
     by
-        As `league`.
+        As `chromanoise.league`.
 
     Raises
     ------
     InputError
-        As `league`.
+        As `chromanoise.league`.
     """
     cameras, own = _cameras(speeds), [_entry(one, speeds) for one in sensors]
     check.distinct("sensors", [one.name for one in own])
@@ -531,7 +526,7 @@ def _ranked(entry: LeagueEntry, cameras: Sequence[LeagueEntry]) -> LeagueEntry:
 
 def _others(entry: LeagueEntry, cameras: Sequence[LeagueEntry], by: Ranked) -> list[LeagueEntry]:
     """The cameras with which an entry is compared."""
-    rest = [camera for camera in cameras if camera.name != entry.name]
+    rest = [one for one in cameras if not (entry.camera and one.name == entry.name)]
     return [one for one in rest if not (by.of_heights and one.has_own_peaks)]
 
 
@@ -587,12 +582,15 @@ class League(Result):
         others = _others(entry, self.cameras, by)
         ties, value = len(entry.ties[by.name]), getattr(entry, by.name)
         lower = sum(getattr(one, by.name) >= value + by.spread for one in others)
+        higher = len(others) - lower - ties
         count = f"{len(others)} {'other ' if entry.camera else ''}cameras"
         if lower == len(others):
             return f", lower than all {count}"
-        if not lower and not ties:
+        if higher == len(others):
             return f", higher than all {count}"
-        return f", lower than {lower} of {count}{f', tied with {ties}' if ties else ''}"
+        parts = (f"lower than {lower}", f"tied with {ties}", f"higher than {higher}")
+        told = [part for part, n in zip(parts, (lower, ties, higher), strict=True) if n]
+        return f", {', '.join(told)} of {count}"
 
     def _best(self, one: Ranked) -> str:
         best = min(self.cameras, key=lambda camera: camera.ranks.get(one.name, len(self.cameras)))
@@ -709,5 +707,5 @@ def _two(given: str) -> list[str]:
 
 
 def _speed(given: str | float) -> float:
-    need = "must be ISO speeds"
+    need = f"must be ISO speeds, as {DEFAULT_ISO} or 100,200,400"
     return check.within("iso", "1", check.number(str(given), "iso", need), 1.0, 1e7)

@@ -101,6 +101,7 @@ _DECLARED = {
         ),
         start={**_NO_ANALYSES, "pictures": [{"mosaic": "sensor"}]},
     ),
+    "league": _Function(keys=("sensors",), arguments=("iso", "by"), start=_NO_ANALYSES),
     "matrix": _Function(
         keys=(*_OF_CURVES, "outputs.pareto"),
         arguments=("sensor", "matrix"),

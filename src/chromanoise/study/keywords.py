@@ -21,6 +21,7 @@ NAMES = {
     "compare": "ComparisonSettings",
     "compare_map": "MapSettings",
     "denoise": "DenoiseSettings",
+    "league": "LeagueSettings",
     "matrix": "MatrixSettings",
     "render": "RenderSettings",
     "sensitivity": "SensitivitySettings",

@@ -7,21 +7,7 @@ from typing import Literal, TypedDict
 NAMES: Mapping[str, str]
 
 class _Shared(TypedDict, total=False):
-    illuminant: str | Path | object
-    lux: float
-    illuminant_beyond: Literal["hold", "refuse", "zero"]
-    illuminant_per: Literal["energy", "photon"]
-    illuminant_column: str
-    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
     negatives: Literal["refuse", "zero"]
-    equal: Literal["exposure", "light", "saturation"]
-    time_ms: float
-    saturate: float
-    f_number: float
-    magnification: float
-    metric: str
-    observer: str | Path | object
-    prior: str | Path | object
     labels: Sequence[str]
     beyond: Literal["hold", "refuse", "zero"]
     qe_scale: Literal["fraction", "percent"]
@@ -60,6 +46,20 @@ class _Shared(TypedDict, total=False):
     shift_nm: float
 
 class AnalysisSettings(_Shared, total=False):
+    illuminant: str | Path | object
+    lux: float
+    illuminant_beyond: Literal["hold", "refuse", "zero"]
+    illuminant_per: Literal["energy", "photon"]
+    illuminant_column: str
+    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    equal: Literal["exposure", "light", "saturation"]
+    time_ms: float
+    saturate: float
+    f_number: float
+    magnification: float
+    metric: str
+    observer: str | Path | object
+    prior: str | Path | object
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -84,6 +84,20 @@ class AnalysisSettings(_Shared, total=False):
     iso_read_noise_e: Sequence[float]
 
 class CardSettings(_Shared, total=False):
+    illuminant: str | Path | object
+    lux: float
+    illuminant_beyond: Literal["hold", "refuse", "zero"]
+    illuminant_per: Literal["energy", "photon"]
+    illuminant_column: str
+    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    equal: Literal["exposure", "light", "saturation"]
+    time_ms: float
+    saturate: float
+    f_number: float
+    magnification: float
+    metric: str
+    observer: str | Path | object
+    prior: str | Path | object
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -94,6 +108,20 @@ class CardSettings(_Shared, total=False):
     seed: int
 
 class ComparisonSettings(_Shared, total=False):
+    illuminant: str | Path | object
+    lux: float
+    illuminant_beyond: Literal["hold", "refuse", "zero"]
+    illuminant_per: Literal["energy", "photon"]
+    illuminant_column: str
+    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    equal: Literal["exposure", "light", "saturation"]
+    time_ms: float
+    saturate: float
+    f_number: float
+    magnification: float
+    metric: str
+    observer: str | Path | object
+    prior: str | Path | object
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -108,6 +136,20 @@ class ComparisonSettings(_Shared, total=False):
     all_priors: bool
 
 class MapSettings(_Shared, total=False):
+    illuminant: str | Path | object
+    lux: float
+    illuminant_beyond: Literal["hold", "refuse", "zero"]
+    illuminant_per: Literal["energy", "photon"]
+    illuminant_column: str
+    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    equal: Literal["exposure", "light", "saturation"]
+    time_ms: float
+    saturate: float
+    f_number: float
+    magnification: float
+    metric: str
+    observer: str | Path | object
+    prior: str | Path | object
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -125,10 +167,41 @@ class MapSettings(_Shared, total=False):
     second_points: int
 
 class DenoiseSettings(_Shared, total=False):
+    illuminant: str | Path | object
+    lux: float
+    illuminant_beyond: Literal["hold", "refuse", "zero"]
+    illuminant_per: Literal["energy", "photon"]
+    illuminant_column: str
+    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    equal: Literal["exposure", "light", "saturation"]
+    time_ms: float
+    saturate: float
+    f_number: float
+    magnification: float
+    metric: str
+    observer: str | Path | object
+    prior: str | Path | object
     demosaic: str
     black_level: int
 
+class LeagueSettings(_Shared, total=False):
+    pass
+
 class MatrixSettings(_Shared, total=False):
+    illuminant: str | Path | object
+    lux: float
+    illuminant_beyond: Literal["hold", "refuse", "zero"]
+    illuminant_per: Literal["energy", "photon"]
+    illuminant_column: str
+    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    equal: Literal["exposure", "light", "saturation"]
+    time_ms: float
+    saturate: float
+    f_number: float
+    magnification: float
+    metric: str
+    observer: str | Path | object
+    prior: str | Path | object
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -140,6 +213,20 @@ class MatrixSettings(_Shared, total=False):
     pareto_points: int
 
 class RenderSettings(_Shared, total=False):
+    illuminant: str | Path | object
+    lux: float
+    illuminant_beyond: Literal["hold", "refuse", "zero"]
+    illuminant_per: Literal["energy", "photon"]
+    illuminant_column: str
+    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    equal: Literal["exposure", "light", "saturation"]
+    time_ms: float
+    saturate: float
+    f_number: float
+    magnification: float
+    metric: str
+    observer: str | Path | object
+    prior: str | Path | object
     seed: int
     key: str
     shape: tuple[int, int]
@@ -155,6 +242,20 @@ class RenderSettings(_Shared, total=False):
     clip: bool
 
 class SensitivitySettings(_Shared, total=False):
+    illuminant: str | Path | object
+    lux: float
+    illuminant_beyond: Literal["hold", "refuse", "zero"]
+    illuminant_per: Literal["energy", "photon"]
+    illuminant_column: str
+    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
+    equal: Literal["exposure", "light", "saturation"]
+    time_ms: float
+    saturate: float
+    f_number: float
+    magnification: float
+    metric: str
+    observer: str | Path | object
+    prior: str | Path | object
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
