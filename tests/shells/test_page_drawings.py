@@ -32,8 +32,8 @@ def test_an_earlier_answer_stays_as_a_ghost_until_it_is_removed(page):
 @pytest.mark.evidence
 def test_every_table_opens_and_closes_by_keyboard_and_holds_what_is_drawn(page):
     toggles = page.get_by_role("button", name="Table:")
-    assert toggles.count() == 8
-    for i in range(8):
+    assert toggles.count() == 9
+    for i in range(9):
         toggle = toggles.nth(i)
         table = page.locator(f"#{toggle.get_attribute('aria-controls')}")
         toggle.focus()

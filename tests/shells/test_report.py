@@ -484,12 +484,12 @@ def test_sliders_answer_by_key_with_the_digits_of_the_library(seen, there):
 
 
 @pytest.mark.evidence
-def test_it_prints_a_card_then_five_pages_and_the_tables_that_stand_open_but_no_sliders(seen):
+def test_it_prints_a_card_then_six_pages_and_the_tables_that_stand_open_but_no_sliders(seen):
     seen.emulate_media(media="print")
     paper = seen.pdf(format="A4", prefer_css_page_size=True)
     sizes = re.findall(rb"/MediaBox *\[([\d. ]+)\]", paper)
     across = [float(wide) > float(high) for _, _, wide, high in map(bytes.split, sizes)]
-    assert across == [True] + [False] * 5
+    assert across == [True] + [False] * 6
     assert not seen.locator("#sliders").is_visible()
     seen.emulate_media(media="screen")
     seen.click("section[data-part=budget] summary:text-is('Table')")
