@@ -1,4 +1,4 @@
-"""Number of colors of real light that a noisy reading tells apart.
+"""Number of colors of real light that a noisy reading distinguishes.
 
 The means are those of light with a given spectrum, reflected by something that is constant on d
 blocks of wavelengths. `color_sensitivity_bits` counts every raw value of a cube instead, and so
@@ -24,7 +24,7 @@ def distinguishable_colors_bits(
 ) -> float:
     """log2 of the number of distinguishable colors of a gamut. [bit]
 
-    -inf where the blocks are linearly dependent for the reader: no colors are told apart.
+    -inf where the blocks are linearly dependent for the reader: it distinguishes no colors.
 
     Parameters
     ----------

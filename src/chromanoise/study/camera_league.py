@@ -159,7 +159,7 @@ class AtIso:
     visual_noise
         Of an 18 % gray as viewed. [CIELUV]
     colors_bits
-        Colors up to the white that the best reader tells apart. [bit]
+        log2 of the number of colors that the best unbiased estimator distinguishes. [bit]
     colors_of_matrix_bits
         The same after the color matrix. [bit]
     cube_bits
@@ -198,7 +198,7 @@ class LeagueEntry:
     smi
         Sensitivity metamerism index of ISO 17321-1. [1]
     colors_bits
-        Colors that the best reader tells apart at equal saturation, for shot noise alone. [bit]
+        log2 of the number of colors that shot noise leaves distinct at equal saturation. [bit]
     ranks
         Rank of each of these among the cameras, 1 for the best; none of loss and colors where the
         curves are divided by their own peaks.
@@ -229,7 +229,7 @@ class LeagueEntry:
     ranks: Mapping[str, int]
     ties: Mapping[str, tuple[str, ...]]
 
-    def told(self, by: Ranked) -> str:
+    def with_unit(self, by: Ranked) -> str:
         """A number with its unit."""
         unit = by.unit.replace("Delta E", "ΔE")
         return f"{format(getattr(self, by.name), by.digits)} {unit}".strip()
@@ -572,7 +572,7 @@ class League(Result):
         """Loss and color error of a sensor, and how many other cameras have more, in a sentence."""
         parts = []
         for one in RANKED[:2]:
-            value = f"{one.label} {entry.told(one)}"
+            value = f"{one.label} {entry.with_unit(one)}"
             parts.append(value + self._among(entry, one))
         return f"{entry.name}: {'; '.join(parts)}."
 
@@ -589,14 +589,14 @@ class League(Result):
         if higher == len(others):
             return f", higher than all {count}"
         parts = (f"lower than {lower}", f"tied with {ties}", f"higher than {higher}")
-        told = [part for part, n in zip(parts, (lower, ties, higher), strict=True) if n]
-        return f", {', '.join(told)} of {count}"
+        counted = [part for part, n in zip(parts, (lower, ties, higher), strict=True) if n]
+        return f", {', '.join(counted)} of {count}"
 
     def _best(self, one: Ranked) -> str:
         best = min(self.cameras, key=lambda camera: camera.ranks.get(one.name, len(self.cameras)))
         tied = best.ties[one.name]
         with_ties = f", tied with {_listed(tied)}" if tied else ""
-        return f"{best.name} has the lowest {one.label} ({best.told(one)}{with_ties})."
+        return f"{best.name} has the lowest {one.label} ({best.with_unit(one)}{with_ties})."
 
     def to_table(self) -> Table:
         """One row per sensor and camera; visual noise at each ISO speed."""
