@@ -21,6 +21,7 @@ from chromanoise.study import (
     CURVES,
     DEFAULT_ISO,
     DEFAULT_METHOD,
+    RANKED,
     Analyses,
     AnalysisSettings,
     CardSettings,
@@ -370,7 +371,7 @@ def _raw_pictures(
 def league(
     *sensors: str | Path | Sensor | object,
     iso: str | float | Sequence[float] = DEFAULT_ISO,
-    by: str = "color_snr_loss_db",
+    by: str = RANKED[0].name,
     **settings: Unpack[LeagueSettings],
 ) -> League:
     """Rank the cameras of the catalog, with sensors of one's own among them, by color and noise.
