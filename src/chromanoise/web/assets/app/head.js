@@ -2,11 +2,13 @@
 
 import { attribute, byId, el, say } from "app/dom.js";
 import { scrolled } from "app/panels.js";
+import { onHead, places, sortable, turned } from "app/sorting.js";
 import { mark, sameSensor, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { svg } from "draw/svg.js";
 
-/** @import { Head, Maybe, Ranking } from "answers" */
+/** @import { Head, Ranking } from "answers" */
+/** @import { Sorting } from "app/sorting.js" */
 /** @typedef {Ranking["rows"][number]} Row */
 
 const REST_MS = 500;
@@ -16,8 +18,8 @@ const NAME = "name";
 /** Columns with one number for each state; an earlier one stands under it. */
 const COMPARED = new Set(["raw_db", "luminance_db", "loss_db", "color_error", "visual_noise", "time_ms"]);
 
-/** How the table is sorted: by which column, and whether from its low end; none: as in the study. */
-/** @type {{ key: string, up: boolean } | null} */
+/** How the table is sorted; none: as in the study. */
+/** @type {Sorting} */
 let sorting = null;
 /** @type {number | undefined} */
 let telling;
@@ -69,8 +71,8 @@ export function showSensors(head, ghosts) {
     return el("tr", {}, el("th", { scope: "row" }, swatch, el("span", { text: row.name }), assumed), ...cells, last);
   });
   const heads = [
-    sortable(NAME, "sensor", "name of the sensor"),
-    ...columns.map(({ key, head: text, what }) => sortable(key, text, what)),
+    sortable(sorting, NAME, "sensor", "name of the sensor"),
+    ...columns.map(({ key, head: text, what }) => sortable(sorting, key, text, what)),
     el("th", { scope: "col", text: "saturated" }),
   ];
   const sorted = order(head.ranking).map((i) => lists[i]);
@@ -110,34 +112,15 @@ function textOf(ghost, row, key) {
 }
 
 /**
- * The head of a column, which sorts by it.
- *
- * @param {string} key
- * @param {string} text
- * @param {string} what
- */
-function sortable(key, text, what) {
-  const sorted = sorting?.key === key ? (sorting.up ? "ascending" : "descending") : "none";
-  const button = el("button", { type: "button", class: "sort", "data-sort": key, title: what, text });
-  return el("th", { scope: "col", "aria-sort": sorted }, button);
-}
-
-/**
  * The places of the rows: as in the study, or sorted; what has no value comes last.
  *
  * @param {Ranking} ranking
  */
 function order({ columns, rows }) {
-  const places = rows.map((_, i) => i);
-  if (!sorting) return places;
-  const { key, up } = sorting;
+  const key = sorting?.key;
   const k = columns.findIndex((column) => column.key === key);
-  if (k < 0 && key !== NAME) return places;
-  const way = up ? 1 : -1;
-  if (key === NAME) return places.sort((a, b) => way * rows[a].name.localeCompare(rows[b].name));
-  /** @param {Maybe} value */
-  const last = (value) => (value === null ? Infinity : way * value);
-  return places.sort((a, b) => last(rows[a].values[k]) - last(rows[b].values[k]) || a - b);
+  if (!sorting || (k < 0 && key !== NAME)) return rows.map((_, i) => i);
+  return places(rows.map((row) => (key === NAME ? row.name : row.values[k])), sorting.up);
 }
 
 /**
@@ -148,14 +131,9 @@ function order({ columns, rows }) {
  * @param {() => void} shown
  */
 export function sortOnClick(head, shown) {
-  byId("electrons").addEventListener("click", ({ target }) => {
-    const button = target instanceof Element ? target.closest("button.sort") : null;
-    const key = button instanceof HTMLElement ? button.dataset.sort : undefined;
-    if (key === undefined) return;
+  onHead(byId("electrons"), (key) => {
     const better = head()?.ranking.columns.find((column) => column.key === key)?.better;
-    const first = better !== "higher";
-    if (sorting?.key !== key) sorting = { key, up: first };
-    else sorting = sorting.up === first ? { key, up: !first } : null;
+    sorting = turned(sorting, key, better !== "higher");
     shown();
   });
 }

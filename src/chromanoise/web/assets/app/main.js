@@ -9,9 +9,10 @@ import { saving } from "app/export.js";
 import { clearFaults, showFaults } from "app/faults.js";
 import { moreOnClick, showSensors, showVerdict, sortOnClick } from "app/head.js";
 import { isTrained } from "app/matrix.js";
-import { PARTS, panels, showTable } from "app/panels.js";
+import { openSensors, PARTS, panels, showTable } from "app/panels.js";
 import { useDefaults } from "app/paths.js";
 import { picturePanel } from "app/picture.js";
+import { openSensor } from "app/sensors.js";
 import { narrowButtons } from "app/sheet.js";
 import { askedLook, snapshots } from "app/snapshots.js";
 import { changeLook, current, readAddress, startFrom, subscribe } from "app/state.js";
@@ -458,6 +459,8 @@ async function start() {
     },
     resized: (panel) => redraw(panel.part),
   });
+  const names = choices.sensors.map((/** @type {import("answers").KnownSensor} */ one) => one.name);
+  openSensors(names, openSensor);
   sortOnClick(() => page.head, headAgain);
   moreOnClick();
   page.picture = picturePanel(choices);

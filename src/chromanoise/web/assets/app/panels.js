@@ -1,6 +1,7 @@
 /** The charts as panels: a heading, its equations, a caption, its drawing, its table. */
 
 import { attribute, button, byId, el, uniqueId, within } from "app/dom.js";
+import { onHead, places, sortable, turned } from "app/sorting.js";
 import { changeLook } from "app/state.js";
 import { draw } from "draw/charts.js";
 import { refill } from "draw/refill.js";
@@ -21,6 +22,7 @@ import { refill } from "draw/refill.js";
  * @property {number} width
  * @property {object | null} data
  * @property {DrawnOptions | null} options of the last drawing
+ * @property {import("app/sorting.js").Sorting} sorting of its table
  * @property {(data: object | null, options: DrawnOptions) => void} show
  */
 
@@ -139,9 +141,13 @@ function panelOf(part, tool) {
   /** @type {Panel} */
   const panel = {
     ...{ part, title, section, body, table, toggle, fault },
-    ...{ visible: false, version: -1, width: 0, data: null, options: null },
+    ...{ visible: false, version: -1, width: 0, data: null, options: null, sorting: null },
     show: (data, options) => show(panel, data, options),
   };
+  onHead(table, (key) => {
+    panel.sorting = turned(panel.sorting, key, true);
+    showTable(panel, true);
+  });
   return panel;
 }
 
@@ -225,7 +231,52 @@ export function showTable(panel, open) {
   attribute(panel.toggle, "aria-expanded", open ? "true" : "false");
   panel.table.hidden = !open;
   if (!open || panel.data === null || !("table" in panel.data)) return panel.table.replaceChildren();
-  return refill(panel.table, tableOf(/** @type {Table} */ (panel.data.table), panel.title));
+  return refill(panel.table, sortedTable(/** @type {Table} */ (panel.data.table), panel));
+}
+
+/**
+ * The table of a chart, whose columns sort it.
+ *
+ * @param {Table} table
+ * @param {Panel} panel
+ */
+function sortedTable({ head, rows }, { title, sorting }) {
+  const heads = head.map((text, i) => sortable(sorting, String(i), text));
+  if (!sorting) return tableOf({ head, rows }, title, heads);
+  const texts = rows.map((row) => row[Number(sorting.key)]);
+  const numbers = texts.map((text) => numberIn(text));
+  const values = numbers.every((number, i) => number !== null || !texts[i].trim()) ? numbers : texts;
+  return tableOf({ head, rows: places(values, sorting.up).map((i) => rows[i]) }, title, heads);
+}
+
+/**
+ * The number of a cell, which may have a sign of typography; null without one.
+ *
+ * @param {string} text
+ */
+function numberIn(text) {
+  const number = Number.parseFloat(text.replace("\u2212", "-"));
+  return Number.isNaN(number) ? null : number;
+}
+
+const OPENS = "Open this sensor in the controls";
+
+/** Names that open a sensor; the page tells them when it knows the catalog. */
+/** @type {Set<string>} */
+let openable = new Set();
+
+/**
+ * Lets the names of sensors in all tables call `open(name)`.
+ *
+ * @param {string[]} names
+ * @param {(name: string) => void} open
+ */
+export function openSensors(names, open) {
+  openable = new Set(names);
+  byId("panels").addEventListener("click", ({ target }) => {
+    const button = target instanceof Element ? target.closest("button[data-sensor]") : null;
+    if (button instanceof HTMLElement && button.dataset.sensor) open(button.dataset.sensor);
+  });
 }
 
 /**
@@ -233,15 +284,18 @@ export function showTable(panel, open) {
  *
  * @param {Table} table
  * @param {string} caption
+ * @param {HTMLElement[]} [heads] of its columns
  */
-export function tableOf({ head, rows }, caption) {
-  const first = el("tr", {}, ...head.map((text) => el("th", { scope: "col", text })));
+export function tableOf({ head, rows }, caption, heads = head.map((text) => el("th", { scope: "col", text }))) {
+  /** @param {string} text */
+  const name = (text) =>
+    openable.has(text) ? el("button", { type: "button", class: "sort", "data-sensor": text, title: OPENS, text }) : text;
   /**
    * @param {string} text
    * @param {number} i
    */
-  const cell = (text, i) => (i === 0 ? el("th", { scope: "row", text }) : el("td", { text }));
-  return scrolled(caption, {}, first, rows.map((row) => el("tr", {}, ...row.map(cell))));
+  const cell = (text, i) => (i === 0 ? el("th", { scope: "row" }, name(text)) : el("td", { text }));
+  return scrolled(caption, {}, el("tr", {}, ...heads), rows.map((row) => el("tr", {}, ...row.map(cell))));
 }
 
 /**

@@ -1,9 +1,10 @@
 /** Controls of the sensors: one or more, each with all that a study says of it. */
 
-import { attribute, brief, button, choice, drawer, el, fillChoice, say, square } from "app/dom.js";
+import { attribute, brief, button, choice, drawer, el, fillChoice, reveal, say, square } from "app/dom.js";
 import { countSet, fieldGroups } from "app/fields.js";
 import { most } from "app/paths.js";
-import { changeStudy } from "app/state.js";
+import { setSheet } from "app/sheet.js";
+import { changeStudy, current } from "app/state.js";
 import { shownName, uploaded } from "app/uploads.js";
 import { mark, sensorLines } from "draw/look.js";
 import { svg } from "draw/svg.js";
@@ -58,6 +59,23 @@ function addSensor(choices) {
     const free = choices.sensors.find((sensor) => !taken.has(sensor.name)) ?? choices.sensors[0];
     study.sensors.push({ name: free.name });
   });
+}
+
+/**
+ * Opens the card of a sensor of the catalog, which joins the study if there is room for it.
+ *
+ * @param {string} name
+ */
+export function openSensor(name) {
+  const at = () => current().study.sensors.findIndex((one) => one.name === name);
+  if (at() < 0 && current().study.sensors.length < most.sensors)
+    changeStudy(({ sensors }) => sensors.push({ name }));
+  const i = at() < 0 ? most.sensors - 1 : at();
+  setSheet(true);
+  if (at() >= 0) reveal(`sensors.${i}.pixel`);
+  const card = document.querySelector(`[data-where="sensors.${i}"]`);
+  card?.scrollIntoView({ block: "center" });
+  if (card instanceof HTMLElement) card.focus();
 }
 
 /**
