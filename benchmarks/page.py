@@ -7,6 +7,7 @@ to be painted: the page marks both.
 
 import argparse
 import datetime
+import json
 import os
 import statistics
 import sys
@@ -187,9 +188,26 @@ def first_sight(browser: Any, address: str) -> tuple[float, float, float]:
     return first, numbers, size
 
 
+def cloud_ms(address: str) -> list[float]:
+    """Of replies with the cloud of cameras: the first one, then one per shift of a filter. [ms]"""
+    found = []
+    for step in range(PRESSES):
+        sensor = {"name": "onyx-rgb", "filter": f"ircut-{640 + step}"}
+        question = {"study": {"sensors": [sensor]}, "want": ["league"]}
+        body = json.dumps(question).encode()
+        headers = {"Content-Type": "application/json"}
+        request = urllib.request.Request(f"{address}api/answer", body, headers)
+        began = time.perf_counter()
+        urllib.request.urlopen(request, timeout=60).read()
+        found.append(1e3 * (time.perf_counter() - began))
+    return found
+
+
 def measured(browser: Any) -> list[Line]:
     """All lines of the table."""
     starts = [start_s() for _ in range(STARTS)]
+    with served() as (address, _):
+        first_cloud, *clouds = cloud_ms(address)
     with served() as (address, _):
         page = opened(browser, address, SEEN)
         latencies_ms(page, 5)  # what is computed once is not what is asked
@@ -207,6 +225,8 @@ def measured(browser: Any) -> list[Line]:
         Line("the same with all drawings in view, median", None, statistics.median(every), "ms"),
         Line("the same, 95th percentile", None, percentile(every, 95), "ms"),
         *held,
+        Line("first reply with the cloud of cameras", None, first_cloud, "ms"),
+        Line("reply with the cloud after a filter moved, median", 40, percentile(clouds, 50), "ms"),
         Line("first paint", 1, first, "s"),
         Line("first numbers painted", None, numbers, "s"),
         Line("start of the server to its first response", 1.5, statistics.median(starts), "s"),

@@ -1,6 +1,10 @@
-"""Print the numbers of the findings in docs/league.md."""
+"""Print the numbers of the findings in docs/league.md; ``--front`` those of the search, too."""
 
+import argparse
+import tempfile
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from scipy.stats import spearmanr
@@ -23,11 +27,40 @@ from chromanoise.study import (
 )
 from chromanoise.study.color_matrices import training_named
 
+FRONT = """\
+schema = 1
+matrices = ["white-preserving"]
+light = {{illuminant = "D50", beyond = "zero", level_lux = 100.0}}
+exposure = {{time_ms = 10, f_number = 1.8}}
+sensors = [
+    {{name = "flat.csv", answers = {{per = "photon", level = "absolute"}}, pixel = {pixel}}},
+{cameras}
+]
+
+[design]
+objectives = ["visual_noise", "delta_e"]
+mosaic = "bayer"
+budget = {budget}
+population = 300
+seed = {seed}
+ir_cut = {{cutoff_nm = [600, 780], width_nm = 8}}
+channels = [
+    {{name = "R", base = "W", filter = "gaussian", center_nm = [540, 700], width_nm = [10, 120]}},
+    {{name = "G", base = "W", filter = "gaussian", center_nm = [480, 600], width_nm = [10, 120]}},
+    {{name = "B", base = "W", filter = "gaussian", center_nm = [400, 500], width_nm = [10, 120]}},
+]
+"""
+"""Gaussian filters on a flat QE of 0.5, the peak QE assumed of each camera; shot noise alone."""
+PIXEL = "{pitch_um = 4.0, full_well_e = 100000, read_noise_e = 0.0}"
 PERIODS = ((2004, 2009), (2010, 2016), (2017, 2025))
 
 
 def main() -> None:
     """Correlations with the year and among numbers, medians of periods, and the range of noise."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--front", action="store_true", help="search a front; about 10 minutes")
+    parser.add_argument("--budget", type=int, default=60000, help="sensors per search")
+    given = parser.parse_args()
     result = cn.league()
     facts = camera_facts()
     cameras = [one for one in result.cameras if not one.has_own_peaks]
@@ -51,6 +84,38 @@ def main() -> None:
         print(f"ISO {iso:g}: visual noise of {len(noise)} {min(noise):.2f} to {max(noise):.2f}")
     for iso in (800.0, 6400.0):
         best_matrices(iso)
+    if given.front:
+        distances_to_front([one.name for one in cameras], given.budget)
+
+
+def distances_to_front(names: Sequence[str], budget: int, seeds: tuple[int, ...] = (1, 2)) -> None:
+    """Visual noise of cameras above the front of Gaussian filters, at equal color error. [dB]"""
+    found = []
+    for seed in seeds:
+        with tempfile.TemporaryDirectory() as folder:
+            flat = ["wavelength_nm,W", *(f"{nm},0.5" for nm in range(400, 1055, 5))]
+            (Path(folder) / "flat.csv").write_text("\n".join(flat), encoding="utf-8")
+            cameras = ",\n".join(f'    {{name = "{one}", pixel = {PIXEL}}}' for one in names)
+            text = FRONT.format(pixel=PIXEL, cameras=cameras, budget=budget, seed=seed)
+            path = Path(folder) / "design.toml"
+            path.write_text(text, encoding="utf-8")
+            design = cn.optimize(path)
+        pairs = sorted(
+            (m.objectives["delta_e"], m.objectives["visual_noise"]) for m in design.members
+        )
+        errors, noise = np.array(pairs).T
+        own = [one.objectives for one in design.references if one.name in names]
+        found.append(
+            [
+                20 * np.log10(one["visual_noise"] / np.interp(one["delta_e"], errors, noise))
+                for one in own
+            ]
+        )
+    distances = np.array(found)
+    print(f"seeds differ by {np.ptp(distances, axis=0).max():.3f} dB at most")
+    order = np.argsort(distances.mean(axis=0))
+    for i in (*order[:5], *order[-2:]):
+        print(f"{names[i]}: {distances[:, i].mean():.2f} dB more noise than the front")
 
 
 def best_matrices(iso: float) -> None:

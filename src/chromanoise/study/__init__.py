@@ -48,16 +48,10 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.camera_league import (
         DEFAULT_ISO,
-        OF_FILTERS,
-        RANKED,
-        AtIso as AtIso,
         League as League,
-        LeagueEntry as LeagueEntry,
-        Ranked as Ranked,
         iso_speeds as iso_speeds,
         league_of,
         league_of_study,
-        point_at_iso as point_at_iso,
     )
     from chromanoise.study.camera_pipeline import (
         BASE_ISO as BASE_ISO,
@@ -189,6 +183,14 @@ if TYPE_CHECKING:
         MatrixSettings as MatrixSettings,
         RenderSettings as RenderSettings,
         SensitivitySettings as SensitivitySettings,
+    )
+    from chromanoise.study.league_entries import (
+        OF_FILTERS,
+        RANKED,
+        AtIso as AtIso,
+        LeagueEntry as LeagueEntry,
+        Ranked as Ranked,
+        point_at_iso as point_at_iso,
     )
     from chromanoise.study.maps import CrossoverLine, QuantityMap, best_of, by_matrix
     from chromanoise.study.merits import (

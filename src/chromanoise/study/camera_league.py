@@ -1,454 +1,45 @@
-"""The cameras of the catalog and further sensors at equal light on equal area.
+"""The cameras of the catalog and further sensors, ranked at equal light on equal area."""
 
-Everything is seen in D50 with the white-preserving matrix of the 190 patches of rawtoaces. Color
-SNR loss, color error, SMI and the colors at equal saturation depend on the filters alone. At an ISO
-speed S, an 18 % gray has the exposure 10 / S lx s on the sensor (ISO 12232:2019), and all noise is
-that of the pixels of one area, so that neither the lens nor the size of the pixels decides.
-"""
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
-from math import floor, log2, sqrt
+from functools import lru_cache
+from math import isclose, log2
 from typing import Any, ClassVar
 
 import numpy as np
 
 from chromanoise.base import (
     VERSION,
-    Array,
-    Float,
     InputError,
     JsonKey,
     JsonKeys,
     check,
     from_above,
 )
-from chromanoise.color import (
-    ColorMatrix,
-    Training,
-    colored,
-    training_color_error,
-    white_preserving,
-)
 from chromanoise.io import Column, Result, Table, axes_of
-from chromanoise.metrics import (
-    color_sensitivity_bits,
-    color_snr_loss_db,
-    distinguishable_colors_bits,
-    pair_distances,
-    sensor_metamerism,
-)
-from chromanoise.noise import OperatingPoint, saturated, with_noise
-from chromanoise.sensor import UNKNOWN_CONVERTER, Pixel, Sensor
-from chromanoise.spectra import (
-    Grid,
-    Illuminant,
-    Spectra,
-    all_pairs,
-    colorchecker,
-    illuminant_named,
-    on_grid,
-)
-from chromanoise.spectra.tables import CameraFacts, camera_facts, packaged_table
-from chromanoise.study.analysis import electrons_at
+from chromanoise.sensor import Sensor
+from chromanoise.spectra.tables import camera_facts
 from chromanoise.study.assembly import NOTHING_GIVEN, Given, sensor_of
-from chromanoise.study.cameras import AT_THE_SENSOR, GRAY_LUX_S, camera_pixel
-from chromanoise.study.catalog import assumptions, is_assumed, sensor_named
-from chromanoise.study.color_noise import GRAY, Viewing, noise_as_viewed
+from chromanoise.study.catalog import sensor_named
+from chromanoise.study.league_entries import (
+    CONDITIONS,
+    RANKED,
+    AtIso,
+    LeagueEntry,
+    Ranked,
+    entry_of,
+)
 from chromanoise.study.schema import Study
 
 DEFAULT_ISO = "100:25600"
 MOST_SPEEDS = 32
-GRID = Grid.uniform(400, 780, 5)
-"""The curves of the cameras and the training set end at 780 nm; those of other sensors are cut."""
-LIGHT = "D50"
-TRAINING = "patches-190"
-SIDE_UM = 4.0
-"""Side of the area whose pixels are summed. [um]"""
-SATURATION_E = 10_000.0
-"""Electrons of a white in the fullest channel, at equal saturation. [e-]"""
-BLOCKS_NM = ((400.0, 485.0), (490.0, 575.0), (580.0, 700.0))
-"""Each distinguishable color is a reflectance that is constant on these. [nm]"""
-_SHUTTER_S = 0.01  # of all exposures; it decides on dark current alone
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ranked:
-    """A number by which the league ranks.
-
-    Attributes
-    ----------
-    name
-        Name of its field in a `LeagueEntry`.
-    label, unit, digits
-        Heading, unit and format of its numbers in tables.
-    more_is_better
-        Whether the best has the most.
-    of_heights
-        Whether the relative heights of the channels count: then curves that are divided by their
-        own peaks have no rank.
-    spread
-        Root mean square of the differences between two measurements of one camera, over six
-        cameras that another laboratory measured too, or five where relative heights count: those
-        that differ by less tie.
-    """
-
-    name: str
-    label: str
-    unit: str
-    digits: str
-    more_is_better: bool
-    of_heights: bool
-    spread: float
-
-
-RANKED = (
-    Ranked(
-        name="color_snr_loss_db",
-        label="color SNR loss",
-        unit="dB",
-        digits=".2f",
-        more_is_better=False,
-        of_heights=True,
-        spread=0.16,
-    ),
-    Ranked(
-        name="color_error",
-        label="color error",
-        unit="Delta E*ab",
-        digits=".2f",
-        more_is_better=False,
-        of_heights=False,
-        spread=0.34,
-    ),
-    Ranked(
-        name="smi",
-        label="SMI",
-        unit="",
-        digits=".1f",
-        more_is_better=True,
-        of_heights=False,
-        spread=1.1,
-    ),
-    Ranked(
-        name="colors_bits",
-        label="colors",
-        unit="bit",
-        digits=".2f",
-        more_is_better=True,
-        of_heights=True,
-        spread=0.065,
-    ),
-)
-"""What depends on the filters alone; the first decides the order of the table."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AtIso:
-    """One sensor at one ISO speed, per equal area.
-
-    Attributes
-    ----------
-    iso
-        ISO speed. [1]
-    read_noise_e
-        Of one pixel; ``None`` if unknown, and then all noise is. [e-]
-    saturated
-        Whether a channel saturates on a white; then there is no noise either.
-    visual_noise
-        Of an 18 % gray as viewed. [CIELUV]
-    colors_bits
-        log2 of the number of colors that the best unbiased estimator distinguishes. [bit]
-    colors_of_matrix_bits
-        The same after the color matrix. [bit]
-    cube_bits
-        Raw values of a cube up to each channel's white: color sensitivity of DxOMark, which no
-        filter changes at equal electrons. [bit]
-    median_distance
-        Distance D_M of the median pair of patches of the ColorChecker. [1]
-    """
-
-    iso: float
-    read_noise_e: float | None
-    saturated: bool = False
-    visual_noise: float | None = None
-    colors_bits: float | None = None
-    colors_of_matrix_bits: float | None = None
-    cube_bits: float | None = None
-    median_distance: float | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LeagueEntry:
-    """One sensor of a league.
-
-    Attributes
-    ----------
-    name
-        The name in the catalog, or the label of a sensor of one's own.
-    camera
-        Maker and model; empty for a sensor of one's own.
-    has_own_peaks
-        Whether each channel is divided by its own peak: then only color error and SMI have a rank.
-    color_snr_loss_db
-        SNR of the best linear readout of a white minus that of Y, for shot noise alone. [dB]
-    color_error
-        Mean color error over the 190 patches. [Delta E*ab]
-    smi
-        Sensitivity metamerism index of ISO 17321-1. [1]
-    colors_bits
-        log2 of the number of colors that shot noise leaves distinct at equal saturation. [bit]
-    ranks
-        Rank of each of these among the cameras, 1 for the best; none of loss and colors where the
-        curves are divided by their own peaks.
-    ties
-        Names of the cameras from which each does not differ by more than two measurements of one
-        camera.
-    iso
-        Noise at each ISO speed.
-    notes
-        Source of the curves, their defects, and what is assumed of the sensor.
-    """
-
-    KEYS: ClassVar[JsonKeys] = (
-        *("name", "camera", "color_snr_loss_db", "color_error", "smi", "colors_bits"),
-        "has_own_peaks",
-        *("ranks", "ties", "iso", "notes"),
-    )
-
-    name: str
-    camera: str
-    has_own_peaks: bool
-    color_snr_loss_db: float
-    color_error: float
-    smi: float
-    colors_bits: float
-    iso: tuple[AtIso, ...]
-    notes: tuple[str, ...]
-    ranks: Mapping[str, int]
-    ties: Mapping[str, tuple[str, ...]]
-
-    def with_unit(self, by: Ranked) -> str:
-        """A number with its unit."""
-        unit = by.unit.replace("Delta E", "ΔE")
-        return f"{format(getattr(self, by.name), by.digits)} {unit}".strip()
-
-    def rank(self, by: Ranked) -> str:
-        """The rank by a number, with ``=`` where it ties with others; empty without one."""
-        if by.name not in self.ranks:
-            return ""
-        return f"{self.ranks[by.name]}{'=' if self.ties[by.name] else ''}"
-
-
-OF_FILTERS = (
-    f"light {LIGHT}, matrix white-preserving and trained on the 190 patches of rawtoaces (SMI: D55 "
-    f"and its own matrix); {GRID.wavelength_nm[0]:g} to {GRID.wavelength_nm[-1]:g} nm"
-)
-"""What the numbers of spectral sensitivities hold for."""
-CONDITIONS = (
-    f"{OF_FILTERS}; visual noise of an 18 % gray at {GRAY_LUX_S:g}/ISO lx s on the sensor, scaled "
-    f"to a pixel area of {SIDE_UM:g} x {SIDE_UM:g} um, with an assumed "
-    "peak QE of each camera; = marks a tie: a difference below that of "
-    "two measurements of one camera"
-)
-"""What all numbers of a league hold for."""
-
-
-@cache
-def _light() -> Illuminant:
-    return illuminant_named(LIGHT, GRID)
-
-
-@cache
-def _training() -> Training:
-    patches = on_grid(packaged_table(TRAINING), GRID)
-    return Training(
-        illuminant=_light(),
-        reflectance=patches.values.T,
-        names=patches.names,
-        source=TRAINING,
-        notes=patches.notes,
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _OfFilters:
-    """What depends on the filters of a sensor alone."""
-
-    matrix: ColorMatrix
-    color_snr_loss_db: float
-    color_error: float
-    smi: float
-    colors_bits: float
-
-
-def _of_filters(sensor: Sensor) -> _OfFilters:
-    """At equal saturation, for shot noise alone."""
-    quiet = replace(
-        sensor,
-        pixel=Pixel(pitch_um=SIDE_UM, full_well_e=SATURATION_E, read_noise_e=0.0),
-        converter=UNKNOWN_CONVERTER,
-    )
-    dim = OperatingPoint(sensor=quiet, exposure=AT_THE_SENSOR, illuminant=_light(), level_lux=1.0)
-    point = replace(dim, level_lux=SATURATION_E / float(electrons_at(dim).max()))
-    seen = (quiet, point.exposure, _training())
-    matrix = white_preserving(*seen, level_lux=point.level_lux)
-    raw = with_noise(electrons_at(point), quiet, point.exposure)
-    error = training_color_error(*seen, matrix, level_lux=point.level_lux)
-    if error is None:
-        raise InputError(sensor.name, "must have X, Y and Z of a white above 0", value=None)
-    return _OfFilters(
-        matrix=matrix,
-        color_snr_loss_db=float(color_snr_loss_db(raw, colored(raw, matrix))),
-        color_error=error,
-        smi=sensor_metamerism(quiet).index,
-        colors_bits=distinguishable_colors_bits(_blocks_e(point), read_noise_e=0.0),
-    )
-
-
-def point_at_iso(sensor: Sensor, iso: float) -> OperatingPoint:
-    """A sensor in the light of the league at the exposure of an ISO speed.
-
-    Parameters
-    ----------
-    sensor
-        With its pixel at this ISO speed, on the grid of the catalog.
-    iso
-        ISO speed. [1]
-
-    Returns
-    -------
-    OperatingPoint
-        In D50, with an 18 % gray at 10 / S lx s on the sensor, at 400 to 780 nm.
-
-    Raises
-    ------
-    InputError
-        If it has fewer than 3 channels.
-    """
-    return OperatingPoint(
-        sensor=_on_grid(sensor),
-        exposure=replace(AT_THE_SENSOR, time_s=_SHUTTER_S),
-        illuminant=_light(),
-        level_lux=GRAY_LUX_S / GRAY / iso / _SHUTTER_S,
-    )
-
-
-def _at_iso(point: OperatingPoint, iso: float, matrix: ColorMatrix, *, known: bool) -> AtIso:
-    """Noise of a sensor whose read noise at this ISO speed is known, or not."""
-    sensor, exposure = point.sensor, point.exposure
-    white_e = electrons_at(point)
-    full = bool(saturated(white_e, sensor, exposure).any())
-    if not known or full:
-        read_noise_e = sensor.pixel.read_noise_e if known else None
-        return AtIso(iso=iso, read_noise_e=read_noise_e, saturated=full)
-    pixels = (SIDE_UM / sensor.pixel.pitch_um) ** 2
-    dark_e2 = with_noise(np.zeros_like(white_e), sensor, exposure).variance.mean()
-    dark = {"read_noise_e": sqrt(pixels * dark_e2)}
-    blocks_e = pixels * _blocks_e(point)
-    patches = with_noise(electrons_at(point, reflectance=_chart().values.T), sensor, exposure)
-    distances = pair_distances(patches, all_pairs(_chart()).indices)
-    viewed = noise_as_viewed(white_e, sensor, exposure, matrix.matrix, Viewing())
-    best, of_matrix = (
-        distinguishable_colors_bits(blocks_e, matrix=reader, **dark)
-        for reader in (None, matrix.matrix)
-    )
-    return AtIso(
-        iso=iso,
-        read_noise_e=sensor.pixel.read_noise_e,
-        visual_noise=float(viewed) / sqrt(pixels),
-        colors_bits=best,
-        colors_of_matrix_bits=of_matrix,
-        cube_bits=float(color_sensitivity_bits(pixels * white_e, **dark)),
-        median_distance=float(np.median(distances)) * sqrt(pixels),
-    )
-
-
-def _blocks_e(point: OperatingPoint) -> Float[Array, "p d"]:
-    """Electrons of reflectances that are 1 on a block of wavelengths. [e-]"""
-    at = GRID.wavelength_nm
-    blocks = np.array([(first <= at) & (at <= last) for first, last in BLOCKS_NM], dtype=float)
-    return electrons_at(point, reflectance=blocks).T
-
-
-@cache
-def _chart() -> Spectra:
-    return colorchecker(GRID)
-
-
-def _on_grid(sensor: Sensor) -> Sensor:
-    """A sensor on the grid of the league, which is the first part of its own."""
-    if len(sensor.names) < len(BLOCKS_NM):
-        raise InputError(
-            sensor.label,
-            f"must have at least {len(BLOCKS_NM)} channels",
-            value=len(sensor.names),
-            found=f"has {len(sensor.names)}",
-            remedy="leave it out",
-        )
-    if sensor.grid == GRID:
-        return sensor
-    inside = np.isin(sensor.grid.wavelength_nm, GRID.wavelength_nm)
-    if inside.sum() != GRID.n:
-        raise InputError(
-            f"grid of {sensor.label}",
-            f"must contain {GRID}",
-            value=sensor.grid,
-            found=f"is {sensor.grid}",
-            remedy="give its curves as a file",
-        )
-    return replace(sensor, grid=GRID, qe=sensor.qe[inside])
 
 
 @lru_cache(maxsize=4)
 def _cameras(speeds: tuple[float, ...]) -> tuple[LeagueEntry, ...]:
-    """All cameras of the catalog, without ranks."""
-    return tuple(_entry(sensor_named(name), speeds) for name in camera_facts())
-
-
-def _entry(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
-    """A sensor without ranks; one with the name of a camera has the pixel of each ISO speed."""
-    cut = _on_grid(sensor)
-    filters, facts = _of_filters(cut), _facts_of(sensor)
-    if facts is None:
-        known = not is_assumed(sensor, "read_noise_e")
-        rows = [_at_iso(point_at_iso(cut, iso), iso, filters.matrix, known=known) for iso in speeds]
-    else:
-        rows = [_of_camera(cut, iso, filters.matrix, facts) for iso in speeds]
-    unused = () if facts is None else assumptions(sensor)  # of one ISO speed alone
-    return LeagueEntry(
-        name=sensor.label,
-        camera="" if facts is None else facts.camera,
-        has_own_peaks=facts is not None and facts.has_own_peaks,
-        **{one.name: getattr(filters, one.name) for one in RANKED},
-        iso=tuple(rows),
-        notes=tuple(note for note in sensor.notes if note not in unused),
-        ranks={},
-        ties={},
-    )
-
-
-def _facts_of(sensor: Sensor) -> CameraFacts | None:
-    """The facts of a camera as it is in the catalog; of no other sensor of its name."""
-    facts = camera_facts().get(sensor.name)
-    if facts is None:
-        return None
-    listed = sensor_named(sensor.name, sensor.grid)
-    return facts if _same(sensor, listed) else None
-
-
-def _same(one: Sensor, other: Sensor) -> bool:
-    return one.pixel == other.pixel and np.array_equal(one.qe, other.qe)
-
-
-def _of_camera(sensor: Sensor, iso: float, matrix: ColorMatrix, facts: CameraFacts) -> AtIso:
-    if iso < facts.base_iso or facts.has_own_peaks:
-        return AtIso(iso=iso, read_noise_e=None)
-    pixel = camera_pixel(sensor, iso)
-    there = replace(sensor, pixel=replace(sensor.pixel, **pixel.known))
-    known = pixel.read_noise_e is not None
-    return _at_iso(point_at_iso(there, iso), iso, matrix, known=known)
+    """All cameras of the catalog, ranked."""
+    entries = [entry_of(sensor_named(name), speeds) for name in camera_facts()]
+    return tuple(_ranked(one, entries) for one in entries)
 
 
 def league_of_study(
@@ -498,14 +89,13 @@ def league_of(
     InputError
         As `chromanoise.league`.
     """
-    cameras, own = _cameras(speeds), [_entry(one, speeds) for one in sensors]
+    cameras, own = _cameras(speeds), [entry_of(one, speeds) for one in sensors]
     check.distinct("sensors", [one.name for one in own])
     order = check.one_of("by", by, [one.name for one in RANKED])
-    ranked = [_ranked(one, cameras) for one in cameras]
     return League(
         speeds=speeds,
         by=order,
-        cameras=tuple(sorted(ranked, key=lambda one: one.ranks.get(order, len(ranked)))),
+        cameras=tuple(sorted(cameras, key=lambda one: one.ranks.get(order, len(cameras)))),
         sensors=tuple(_ranked(one, cameras) for one in own),
     )
 
@@ -682,8 +272,11 @@ def iso_speeds(given: str | float | Sequence[float]) -> tuple[float, ...]:
     """
     if isinstance(given, str) and ":" in given:
         first, last = (_speed(part) for part in _two(given))
-        stops = log2(last / first)
-        speeds = [first * 2**i for i in range(floor(stops + 1e-9) + 1)]
+        stops = round(log2(last / first))
+        speeds = [first * 2**i for i in range(stops + 1)]
+        if not isclose(first * 2.0**stops, last, rel_tol=1e-9):
+            whole = f"{first:g}:{first * 2 ** max(1, stops):g}"
+            raise InputError("iso", "must span whole stops", value=given, remedy=f"write {whole}")
     elif isinstance(given, str):
         speeds = [_speed(part) for part in given.split(",")]
     else:

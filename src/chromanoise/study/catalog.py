@@ -108,7 +108,7 @@ def _without_parameters(name: str) -> str:
 DEVICE_NAMES = (*catalog_tables("sensor"), *catalog_tables("camera"))
 """Sensors with curves from data sheets, and measured cameras."""
 
-CAMERA_NAMES = tuple(
+_COLOUR_SCIENCE_CAMERAS = tuple(
     name
     for name, provenance in formulas().items()
     if provenance.carried_as and not provenance.table
@@ -295,7 +295,7 @@ _MAKERS: dict[str, Callable[[Grid], Sensor]] = {
 SENSOR_NAMES = tuple(_MAKERS)
 """The paper's sensors and the models; they need no answers on any grid within 400-1050 nm."""
 
-KNOWN_SENSORS = (*SENSOR_NAMES, *DEVICE_NAMES, *CAMERA_NAMES)
+KNOWN_SENSORS = (*SENSOR_NAMES, *DEVICE_NAMES, *_COLOUR_SCIENCE_CAMERAS)
 """The names for `sensor_named`: SENSOR_NAMES, real devices, and cameras of colour-science."""
 
 
@@ -338,7 +338,7 @@ def sensor_named(
     if name in _MAKERS:
         sensor = _MAKERS[name](grid)
         return replace(sensor, pixel=replace(sensor.pixel, **pixel))
-    if name in CAMERA_NAMES:
+    if name in _COLOUR_SCIENCE_CAMERAS:
         known = formulas()[name]
         return sensor_from_table(known, camera_curves(known), grid, answers=answers, pixel=pixel)
     known = next(one for one in sources().values() if one.name == name)
@@ -464,6 +464,8 @@ def catalog_entry(name: str, *, folder: Path | None = None) -> Entry:
 def catalog_names(kind: str, *, folder: Path | None = None) -> tuple[str, ...]:
     """The names of one kind (``illuminant``), the user's last; families as ``<T>K``.
 
+    Cameras are sensors, too.
+
     Raises
     ------
     InputError
@@ -471,7 +473,9 @@ def catalog_names(kind: str, *, folder: Path | None = None) -> tuple[str, ...]:
     """
     own = [table.provenance for table in own_tables(folder).values()]
     return tuple(
-        provenance.name for provenance in (*_provenances(), *own) if provenance.kind == kind
+        one.name
+        for one in (*_provenances(), *own)
+        if one.kind == kind or (kind == "sensor" and one.is_sensor)
     )
 
 

@@ -36,7 +36,7 @@ def _of_camera(shared: Provenance, facts: "CameraFacts") -> Provenance:
         shared,
         name=facts.name,
         what=f"{facts.camera} ({facts.year}): {', '.join(parts)}",
-        defects=f"{shared.defects}; {OWN_PEAKS}" if facts.has_own_peaks else shared.defects,
+        defects=f"{OWN_PEAKS}; {shared.defects}" if facts.has_own_peaks else shared.defects,
         mosaic=facts.mosaic,
         pixel=pitch,
         pixel_source="maker's specification" if pitch else "",
