@@ -301,7 +301,20 @@ def test_speeds_are_whole_stops_or_a_list():
 
 @pytest.mark.parametrize(
     "wrong",
-    ["", "100:", "100:200:400", "400,100", "100,100", "0:100", "nan", "1e9", "5:1", "1:1e7x", [], "100:150"],
+    [
+        "",
+        "100:",
+        "100:200:400",
+        "400,100",
+        "100,100",
+        "0:100",
+        "nan",
+        "1e9",
+        "5:1",
+        "1:1e7x",
+        [],
+        "100:150",
+    ],
 )
 def test_what_is_no_speed_is_refused(wrong):
     with refused_input(subject="iso"):
