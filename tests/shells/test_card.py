@@ -130,6 +130,12 @@ def test_pixels_of_different_sensors_are_told_apart():
     assert "; quiet: 10 µm, full well 10000 e⁻, read noise 1.25 e⁻" in card.footer
 
 
+def test_the_footer_marks_what_is_assumed_of_a_pixel():
+    pixel = "5.12 µm, full well 39550 e⁻, read noise 10 e⁻ (assumed)"
+    assert pixel in cn.card("sony-ilce-7m4").footer
+    assert "assumed" not in cn.card("sony-ilce-7m4", read_noise_e=3.0).footer
+
+
 @pytest.mark.evidence
 @pytest.mark.parametrize("paper", ["16:9", *dear("a4")])
 def test_each_format_is_whole_and_of_the_size_of_its_paper(done, here, paper):

@@ -58,6 +58,7 @@ from chromanoise.study import (
     compared,
     electrons_at,
     fullest_level_lux,
+    is_assumed,
     mean_color_error,
     visual_noise_of,
 )
@@ -126,9 +127,14 @@ class Card:
         pixels: dict[str, list[str]] = {}
         for point in self.of.operating_points:
             one = point.sensor.pixel
-            text = (
-                f"{brief(one.pitch_um)} µm, full well {decimal(one.full_well_e, 0)} e⁻, "
-                f"read noise {brief(one.read_noise_e)} e⁻"
+            values = {
+                "pitch_um": f"{brief(one.pitch_um)} µm",
+                "full_well_e": f"full well {decimal(one.full_well_e, 0)} e⁻",
+                "read_noise_e": f"read noise {brief(one.read_noise_e)} e⁻",
+            }
+            text = ", ".join(
+                f"{value} (assumed)" if is_assumed(point.sensor, name) else value
+                for name, value in values.items()
             )
             if point.sensor.origin in ("reconstruction", "model"):
                 text += f", curves: {point.sensor.origin}"
