@@ -6,6 +6,7 @@ import functools
 import inspect
 import re
 import sys
+import warnings
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,13 +14,16 @@ from threading import RLock
 from typing import get_args
 
 import jaxtyping
+import numpy as np
 import pytest
 from beartype import BeartypeConf, beartype
 from hypothesis import settings
 
-from chromanoise.base.colour import colour_science
+import chromanoise.base  # noqa: F401  its protocols cannot be checked
 
-colour_science()  # first of all: imported bare it sets numpy's print options to those of 1.13
+with warnings.catch_warnings(), np.printoptions():  # it warns, and changes the options of numpy
+    warnings.simplefilter("ignore")
+    import colour  # noqa: F401
 TESTS = Path(__file__).parent
 sys.path[:0] = [str(TESTS), str(TESTS.parent / "tools")]  # for `from strategies import ...`
 

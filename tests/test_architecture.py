@@ -44,7 +44,7 @@ def test_help_does_not_pay_for_the_color_library_nor_for_drawing():
 
 
 def test_analyze_imports_no_library_that_it_does_not_use():
-    """The largest of them, colour-science, would take more time than all the rest together."""
+    """The largest of them, matplotlib, would take more time than all the rest together."""
     unused = {
         *("PIL", "asyncio", "astropy", "beartype", "colour", "dask", "h5py", "jaxtyping", "jinja2"),
         *(
@@ -108,15 +108,11 @@ def test_every_direct_dependency_is_used_and_says_why():
     lines = [re.fullmatch(r' +"([a-z0-9-]+)>=[0-9.]+", +# \S.*', one) for one in block.splitlines()]
     assert all(lines)
     assert len(lines) <= 12
-    modules = {"colour-science": "colour", "pillow": "PIL"}
+    modules = {"pillow": "PIL"}
     sources = [path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")]
     for one in lines:
         name = modules.get(one[1], one[1])
         assert any(re.search(rf"^ *(import|from) {name}\b", text, re.M) for text in sources), name
-
-
-def test_the_stages_before_the_shells_do_not_import_the_color_library_until_it_is_used():
-    assert "colour" not in imported_by("import chromanoise.study, chromanoise.imaging")
 
 
 def test_importing_every_module_removes_no_file():

@@ -102,6 +102,7 @@ register_above(
     figures="chromanoise.charts",
     camera="chromanoise.apps.camera",
     design="chromanoise.apps.design",
+    saved_files="chromanoise.web.saved_files",  # with Matplotlib, which no other answer needs
 )
 
 __getattr__, _, __all__ = lazy_names(__name__)

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
+import colour
 import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.base.colour import colour_science
 from chromanoise.base.rng import stream
 from chromanoise.color import scene_xyz
 from chromanoise.spectra import Scene, colorchecker
@@ -28,7 +28,7 @@ def outcome(name, **settings):
 
 
 def lab_of(xyz, white):
-    return colour_science().XYZ_to_Lab(xyz / white, np.array([1.0, 1.0]) / 3)
+    return colour.XYZ_to_Lab(xyz / white, np.array([1.0, 1.0]) / 3)
 
 
 @pytest.mark.parametrize("sensor", ["onyx-rgb-ircut", "onyx-rgbw"])

@@ -9,13 +9,13 @@ import subprocess
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
+import colour
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
 from chromanoise.apps.paper import paper_study, paper_tables, reproduced
 from chromanoise.apps.paper.reproduction import paper_as_table
-from chromanoise.base.colour import colour_science
 from chromanoise.base.errors import InputError
 from chromanoise.base.files import csv_comment, text_of_cell, text_of_comment
 from chromanoise.color import kernel_matrix
@@ -235,7 +235,6 @@ def test_a_camera_without_red_green_or_blue_is_no_rawtoaces_camera():
 
 @pytest.mark.parametrize("quantity", ["reflectance", "Irradiance", "QE"])
 def test_colour_science_reads_our_tm_27_to_the_last_digit(tmp_path, quantity):
-    colour = colour_science()
     at = np.array([400.0, 405.5, 412.25])
     spectra = Spectra(
         wavelength_nm=at,

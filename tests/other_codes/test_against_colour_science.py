@@ -5,7 +5,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.color import adapted_to_d65, balanced_cielab, cie1976_difference, srgb_from_xyz
+from chromanoise.color import (
+    adapted_to_d65,
+    balanced_cielab,
+    cie1976_difference,
+    ciede2000_difference,
+    srgb_from_xyz,
+)
 from chromanoise.spectra import (
     DEFAULT_GRID,
     OBSERVERS,
@@ -147,13 +153,35 @@ def test_the_white_points_of_every_observer_are_those_of_colour_science(name, la
     assert xyz / xyz[1] == pytest.approx(theirs / theirs[1], rel=2e-6)  # A is printed to 6 digits
 
 
-def test_packaged_daylight_is_the_table_of_colour_science_to_the_last_digit():
-    table = packaged_table("cie_daylight")
-    assert table.names == ("D50", "D55", "D65", "D75")
-    for name, power in zip(table.names, table.values.T, strict=True):
+@pytest.mark.parametrize(
+    "table", ["cie_daylight", "cie_lamps", "cie_d60", "cie_b", "iso_7589", "iso_7589_printer"]
+)
+def test_packaged_lights_are_those_of_colour_science_to_the_last_digit(table):
+    packaged = packaged_table(table)
+    for name, power in zip(packaged.names, packaged.values.T, strict=True):
         theirs = colour.SDS_ILLUMINANTS[name]
-        assert np.array_equal(table.wavelength_nm, theirs.wavelengths)
+        assert np.array_equal(packaged.wavelength_nm, theirs.wavelengths)
         assert np.array_equal(power, theirs.values)
+
+
+@pytest.mark.parametrize(
+    ("table", "theirs"),
+    [("nikon-d5100-npl", "Nikon 5100 (NPL)"), ("sigma-sd-merrill", "Sigma SDMerill (NPL)")],
+)
+def test_packaged_cameras_are_those_of_colour_science_to_the_last_digit(table, theirs):
+    measured = colour.MSDS_CAMERA_SENSITIVITIES[theirs]
+    assert np.array_equal(packaged_table(table).wavelength_nm, measured.wavelengths)
+    assert np.array_equal(packaged_table(table).values, measured.values)
+
+
+def test_ciede2000_is_that_of_colour_science():
+    random = np.random.default_rng(3)
+    first, second = random.uniform([0, -90, -90], [100, 90, 90], (2, 4000, 3))
+    near = first + random.normal(scale=0.5, size=first.shape)
+    gray = first * [1, 0, 0]
+    for one, other in ((first, second), (first, near), (first, gray), (gray, gray)):
+        theirs = colour.difference.delta_E_CIE2000(one, other)
+        assert ciede2000_difference(one, other) == pytest.approx(theirs, rel=1e-9, abs=1e-9)
 
 
 def test_every_tabulated_lamp_of_colour_science_is_known_by_its_name():

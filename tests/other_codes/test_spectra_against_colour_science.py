@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
+import colour
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.io import loadmat, savemat
 
-from chromanoise.base.colour import colour_science
 from chromanoise.io.spectra import Answers, read_curves
 
 REPOSITORY = Path(__file__).parents[2]
@@ -17,12 +17,7 @@ SHARED = next(
 real_files = pytest.mark.skipif(SHARED is None, reason="needs the real files of shared/data")
 
 
-@pytest.fixture(scope="module")
-def colour():
-    return colour_science()
-
-
-def test_a_table_that_colour_science_writes_is_read_as_it_reads_it(colour, tmp_path):
+def test_a_table_that_colour_science_writes_is_read_as_it_reads_it(tmp_path):
     path = tmp_path / "observer.csv"
     table = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
     colour.write_sds_to_csv_file(_by_name(table), str(path))
@@ -39,7 +34,7 @@ def _by_name(table):
 
 
 @pytest.mark.parametrize("quantity", ["relative", "irradiance", "reflectance"])
-def test_a_tm27_that_colour_science_writes_is_read_as_it_reads_it(colour, tmp_path, quantity):
+def test_a_tm27_that_colour_science_writes_is_read_as_it_reads_it(tmp_path, quantity):
     path = tmp_path / "lamp.spdx"
     lamp = colour.SDS_ILLUMINANTS["FL2"]
     share = 1.0 if quantity != "reflectance" else 0.01
@@ -58,7 +53,7 @@ def test_a_tm27_that_colour_science_writes_is_read_as_it_reads_it(colour, tmp_pa
     assert ours.quantity == {"reflectance": "reflectance"}.get(quantity, "power")
 
 
-def test_the_tm27_files_that_come_with_colour_science_are_read_alike(colour):
+def test_the_tm27_files_that_come_with_colour_science_are_read_alike():
     folder = Path(colour.__file__).parent
     files = [p for p in folder.rglob("*.spdx") if p.stem != "Invalid"]
     if not files:

@@ -5,8 +5,9 @@ import json
 import pytest
 
 from chromanoise.study import study_from_text
-from chromanoise.web.requests import QuestionError, Uploads
-from chromanoise.web.worker import Services
+from chromanoise.web.questions import QuestionError
+from chromanoise.web.services import Services
+from chromanoise.web.uploads import Uploads
 from fronts import front_of_ir_cuts
 
 XYZ = ("X,1.5,0.1,0.2", "Y,0.6,0.9,0.1", "Z,0.1,0.2,1.1")

@@ -18,8 +18,8 @@ from chromanoise.study import (
 from chromanoise.study.schema import KEEP_IDLE, without_idle_settings
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import Studies
-from chromanoise.web.requests import Uploads
-from chromanoise.web.worker import Services
+from chromanoise.web.services import Services
+from chromanoise.web.uploads import Uploads
 from outcomes import refused, refused_input
 
 ONE = [{"name": "onyx-rgbw"}]

@@ -27,7 +27,8 @@ from chromanoise.study import (
 from chromanoise.study.resolve_names import object_word
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import Studies
-from chromanoise.web.requests import QuestionError, Uploads
+from chromanoise.web.questions import QuestionError
+from chromanoise.web.uploads import Uploads
 from outcomes import refused, refused_input
 
 pd = pytest.importorskip("pandas")

@@ -7,8 +7,8 @@ import pytest
 
 from chromanoise.imaging.denoising import DENOISING, DenoisingMethod
 from chromanoise.web.controls import choices
-from chromanoise.web.requests import Kept
-from chromanoise.web.worker import STUDY, Services
+from chromanoise.web.services import STUDY, Services
+from chromanoise.web.uploads import Kept
 from shells.browser import comes, held, let_go, study_of, until
 
 PANEL = "[data-part=picture]"

@@ -15,8 +15,9 @@ from chromanoise.cli.entry import run as run_command
 from chromanoise.study import study_from_data
 from chromanoise.web.answers import report_reply
 from chromanoise.web.page_studies import Studies
-from chromanoise.web.requests import Kept, QuestionError, Upload, Uploads
-from chromanoise.web.worker import STUDY
+from chromanoise.web.questions import QuestionError
+from chromanoise.web.services import STUDY
+from chromanoise.web.uploads import Kept, Upload, Uploads
 from processes import Patient
 from shells.browser import at_rest, until
 from shells.test_page_looks import RULES, axe, faults_of_access

@@ -14,8 +14,8 @@ from chromanoise.study.analysis import (
     raw_snr_db,
 )
 from chromanoise.web.controls import choices
+from chromanoise.web.services import STUDY
 from chromanoise.web.story import ALIKE_FROM_NM, story
-from chromanoise.web.worker import STUDY
 from shells.browser import answer_to, state_of, study_of, until
 
 STEPS = story(STUDY)["steps"]

@@ -34,9 +34,11 @@ from chromanoise.io.sensor_files import sensor_json
 from chromanoise.study import sensor_named
 from chromanoise.web import processes, requests, worker
 from chromanoise.web.processes import Workers
-from chromanoise.web.requests import Bodies, Kept, QuestionError, Uploads
+from chromanoise.web.questions import QuestionError
+from chromanoise.web.requests import Bodies
 from chromanoise.web.server import _Server
-from chromanoise.web.worker import Services
+from chromanoise.web.services import Services
+from chromanoise.web.uploads import Kept, Uploads
 from dear import dear
 from processes import Patient
 from served_page import served

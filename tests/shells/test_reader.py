@@ -8,7 +8,7 @@ import chromanoise as cn
 from chromanoise.spectra import DEFAULT_GRID, colorchecker
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import Studies
-from chromanoise.web.requests import Uploads
+from chromanoise.web.uploads import Uploads
 from outcomes import refused
 
 LIGHT = ("--lux", "10", "--time-ms", "12")

@@ -18,8 +18,9 @@ from chart_values import stages_of
 from chromanoise.charts import PARTS, as_data, drawing, shown
 from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.study import study_from_data, study_from_text
-from chromanoise.web.requests import JSON_BYTES, MOST_FILES, UPLOAD_BYTES, Uploads, asset
+from chromanoise.web.requests import JSON_BYTES, UPLOAD_BYTES, asset
 from chromanoise.web.server import listening_socket, page_server
+from chromanoise.web.uploads import MOST_FILES, Uploads
 from outcomes import refused
 from processes import IGNORING, Patient, command
 

@@ -17,8 +17,9 @@ from chromanoise.web import answers as answering
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import MOST_SENSORS, Studies, files_of, served_data
 from chromanoise.web.previews import PictureReplies
-from chromanoise.web.requests import QuestionError, Uploads
-from chromanoise.web.worker import Services
+from chromanoise.web.questions import QuestionError
+from chromanoise.web.services import Services
+from chromanoise.web.uploads import Uploads
 from outcomes import refused, refused_input
 
 NM = range(400, 1051, 10)

@@ -7,7 +7,6 @@ from chromanoise.base.lazy import lazy_names
 if TYPE_CHECKING:
     from chromanoise.base.above import from_above, register_above
     from chromanoise.base.check import Array, among, distinct, frozen, one_of, printable, reason
-    from chromanoise.base.colour import colour_science
     from chromanoise.base.errors import (
         InputError as InputError,
         Remedy,

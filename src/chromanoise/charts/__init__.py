@@ -58,7 +58,6 @@ if TYPE_CHECKING:
         map_figures as map_figures,
         study_figures as study_figures,
     )
-    from chromanoise.charts.league import draw_league as draw_league
     from chromanoise.charts.levels import at_level, level_curves
     from chromanoise.charts.machine_verdicts import machine_tables as machine_tables
     from chromanoise.charts.numbers import (
@@ -84,6 +83,7 @@ if TYPE_CHECKING:
         draw_capture as draw_capture,
         draw_ellipses as draw_ellipses,
         draw_flow as draw_flow,
+        draw_league as draw_league,
         draw_matrices as draw_matrices,
         draw_panels as draw_panels,
         draw_pareto as draw_pareto,

@@ -3,12 +3,9 @@
 from collections.abc import Sequence
 from functools import partial
 
-from matplotlib.axes import Axes
-
 from chromanoise.base import InputError
 from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.description import Axis, Chart, Cloud, Column, Mark, Panel, Point, column
-from chromanoise.charts.figure_marks import draw_panel
 from chromanoise.charts.numbers import decimal
 from chromanoise.study import OF_FILTERS, RANKED, League, LeagueEntry, Ranked, league_of
 
@@ -28,26 +25,23 @@ def drawn_league(shown: Shown, look: Look) -> Chart:
             standings.append(league_of([sensor]).sensors[0])
         except InputError as error:
             why.append(f"{error}.")
-    return _chart(names, league_of([]), standings, why)
+    return league_chart(names, league_of([]), standings, why)
 
 
-def draw_league(league: League, ax: Axes) -> Axes:
-    """Draw a league on axes of matplotlib.
+def league_chart(
+    names: Sequence[str], league: League, standings: Sequence[LeagueEntry], why: Sequence[str]
+) -> Chart:
+    """The chart of a league: all cameras, and its sensors among them.
 
     Parameters
     ----------
-    league
-        With the cameras and the sensors of one's own.
-    ax
-        Axes of matplotlib to draw on.
+    names
+        Names of all sensors that have a color, also of those without a place.
+    standings
+        The sensors that are drawn.
+    why
+        Sentences on those that are not.
     """
-    names = [one.name for one in league.sensors]
-    return draw_panel(_chart(names, league, league.sensors, ()), 0, ax)
-
-
-def _chart(
-    names: Sequence[str], league: League, standings: Sequence[LeagueEntry], why: Sequence[str]
-) -> Chart:
     cameras = [one for one in league.cameras if not one.has_own_peaks]
     rows, count = (*cameras, *standings), len(cameras)
     across, up, *_ = RANKED

@@ -24,6 +24,7 @@ from chromanoise.charts.figure_style import (
     sensor_label,
     write_beside,
 )
+from chromanoise.charts.league import league_chart
 from chromanoise.charts.pareto_curves import trades_chart
 from chromanoise.imaging import Capture
 from chromanoise.metrics import Budget
@@ -31,6 +32,7 @@ from chromanoise.noise import OperatingPoint, conditions
 from chromanoise.sensor import Sensor
 from chromanoise.study import (
     Analysis,
+    League,
     MatrixResult,
     color_snr_db,
     contravariant_snr_db,
@@ -392,3 +394,17 @@ def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> A
     ax.set_title(title)
     ax.set_axis_off()
     return ax
+
+
+def draw_league(league: League, ax: Axes) -> Axes:
+    """Draw a league on axes of matplotlib.
+
+    Parameters
+    ----------
+    league
+        With the cameras and the sensors of one's own.
+    ax
+        Axes of matplotlib to draw on.
+    """
+    names = [one.name for one in league.sensors]
+    return draw_panel(league_chart(names, league, league.sensors, ()), 0, ax)

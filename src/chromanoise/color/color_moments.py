@@ -194,7 +194,7 @@ def mean_ciede2000(color: NoisyColor, *, rule: Cubature | None = None) -> Float[
 
     Notes
     -----
-    CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
+    CIE 142-2001 (ISO/CIE 11664-6:2014).
     """
     white = color.white
 

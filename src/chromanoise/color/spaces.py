@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, colour_science, inv
+from chromanoise.base import Array, Float, InputError, check, inv
 
 
 def balanced_cielab(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
@@ -86,7 +86,8 @@ def ciede2000_difference(
 
     Notes
     -----
-    CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
+    CIE 142-2001 (ISO/CIE 11664-6:2014), as Sharma, Wu & Dalal, Color Res. Appl. 30, 21 (2005), eq.
+    2-22, with k_L = k_C = k_H = 1.
 
     Examples
     --------
@@ -96,7 +97,45 @@ def ciede2000_difference(
     >>> round(float(ciede2000_difference(first, second)), 4)
     2.3669
     """
-    return np.asarray(colour_science().difference.delta_E_CIE2000(first, second))
+    (l1, a1, b1), (l2, a2, b2) = (
+        np.moveaxis(np.asarray(lab, dtype=float), -1, 0) for lab in (first, second)
+    )
+    rise = 1.5 - 0.5 * _toward_one((np.hypot(a1, b1) + np.hypot(a2, b2)) / 2)
+    chroma_1, hue_1 = np.hypot(rise * a1, b1), np.arctan2(b1, rise * a1) % (2 * np.pi)
+    chroma_2, hue_2 = np.hypot(rise * a2, b2), np.arctan2(b2, rise * a2) % (2 * np.pi)
+    turn = hue_2 - hue_1
+    wraps = np.abs(turn) > np.pi
+    turn = np.where(wraps, turn - np.copysign(2 * np.pi, turn), turn)
+    no_hue = chroma_1 * chroma_2 == 0.0
+    between = 2 * np.sqrt(chroma_1 * chroma_2) * np.sin(np.where(no_hue, 0.0, turn) / 2)
+    middle = hue_1 + hue_2
+    middle = np.where(wraps, middle + np.where(middle < 2 * np.pi, 2 * np.pi, -2 * np.pi), middle)
+    hue = np.degrees(np.where(no_hue, hue_1 + hue_2, middle / 2))
+    chroma, lightness = (chroma_1 + chroma_2) / 2, (l1 + l2) / 2 - 50
+    by_hue = (
+        1
+        - 0.17 * _cos_deg(hue - 30)
+        + 0.24 * _cos_deg(2 * hue)
+        + 0.32 * _cos_deg(3 * hue + 6)
+        - 0.20 * _cos_deg(4 * hue - 63)
+    )
+    of_lightness = (l2 - l1) / (1 + 0.015 * lightness**2 / np.sqrt(20 + lightness**2))
+    of_chroma = (chroma_2 - chroma_1) / (1 + 0.045 * chroma)
+    of_hue = between / (1 + 0.015 * chroma * by_hue)
+    tilt_deg = 60 * np.exp(-(((hue - 275) / 25) ** 2))
+    blue = -2 * _toward_one(chroma) * np.sin(np.radians(tilt_deg))
+    squares = of_lightness**2 + of_chroma**2 + of_hue**2 + blue * of_chroma * of_hue
+    return np.sqrt(squares)
+
+
+def _toward_one(chroma: Array) -> Array:
+    """Near 1 for a chroma far above 25."""
+    seventh = chroma**7
+    return np.sqrt(seventh / (seventh + 25.0**7))
+
+
+def _cos_deg(angle_deg: Array) -> Array:
+    return np.cos(np.radians(angle_deg))
 
 
 SRGB_TOE = 0.0031308

@@ -113,7 +113,7 @@ def chart_ciede2000(
 
     Notes
     -----
-    CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
+    CIE 142-2001 (ISO/CIE 11664-6:2014).
     """
     lab = chart_lab(sensor, matrix, exposure, illuminant, chart)
     return None if lab is None else ciede2000_difference(*lab)

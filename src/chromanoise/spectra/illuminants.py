@@ -21,7 +21,6 @@ from chromanoise.base import (
     InputError,
     Setting,
     check,
-    colour_science,
     photons_per_joule,
     with_short_repr,
 )
@@ -226,12 +225,17 @@ def astm_g173(grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
     return illuminant_from(packaged_table("astm_g173_global"), grid, name="G173", beyond=beyond)
 
 
+_CIE_TABLES = (
+    *("cie_daylight", "cie_lamps", "cie_d60", "cie_b"),
+    *("iso_7589", "iso_7589_printer"),
+)
+
+
 def cie_illuminant(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
     """A tabulated CIE illuminant (D65, D50, FL2, LED-B3 ...).
 
     Most tables end at 780 nm. On a grid that extends further, ``beyond`` must be ``zero`` or
-    ``hold``. Daylight is a packaged table; the others come from colour-science, whose import takes
-    a second.
+    ``hold``.
 
     Parameters
     ----------
@@ -242,21 +246,14 @@ def cie_illuminant(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illum
     beyond
         Values outside the range of the data: refuse, zero or hold.
     """
-    daylight = packaged_table("cie_daylight")
-    if name in daylight.names:
-        wavelength_nm = daylight.wavelength_nm
-        power = daylight.values[:, daylight.names.index(name)]
-    else:
-        tables = colour_science().SDS_ILLUMINANTS
-        table = tables[check.one_of("illuminant", name, list(tables))]
-        wavelength_nm = np.asarray(table.wavelengths, dtype=np.float64)
-        power = np.asarray(table.values, dtype=np.float64)
-    curve = Spectra(
-        wavelength_nm=wavelength_nm,
-        values=power[:, None],
+    if name in ("A", "E"):
+        return _FORMULAS[name](grid)
+    check.one_of("illuminant", name, _cie_names())
+    table = next(one for one in map(packaged_table, _CIE_TABLES) if name in one.names)
+    curve = replace(
+        table,
+        values=table.values[:, [table.names.index(name)]],
         names=(name,),
-        quantity="relative power",
-        unit="1",
         source=f"CIE illuminant {name}",
     )
     return illuminant_from(curve, grid, name=name, beyond=beyond)
@@ -396,7 +393,7 @@ def illuminant_named(
     """The illuminant with this name.
 
     Names are E, A, G173 (daylight to 1050 nm), ``halogen``, ``led-white``, the measured lamps of
-    the catalog, any CIE illuminant of colour-science (D65, FL2, LED-B3), ``<T>K`` for a black body,
+    the catalog, the CIE illuminants (D65, FL2, LED-B3), ``<T>K`` for a black body,
     ``LED<peak>`` or ``LED<peak>/<width>`` for a diode, and ``<light>+<ratio>xLED<peak>`` for a
     light with an added infrared diode (`with_infrared`).
 

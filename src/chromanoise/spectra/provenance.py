@@ -17,9 +17,9 @@ _LEVELS = ("absolute", "relative")
 _PERS = ("photon", "energy")
 _TEXTS = ("quantity", "unit", "source", "license", "defects")
 _REQUIRED = ("kind", "level", *_TEXTS)
-_OPTIONAL = ("done", "mosaic", "pattern", "carried_as", "beyond")
+_OPTIONAL = ("done", "mosaic", "pattern", "beyond")
 _OF_TABLES = (*_REQUIRED, "what", "per", "done", "mosaic", "pixel", "peak_qe", "beyond")
-_OF_THE_HOUSE = ("name", "names", "pattern", "range_nm", "carried_as", "channels")
+_OF_THE_HOUSE = ("name", "names", "pattern", "range_nm")
 _ABSOLUTE = ("A/W", "e-/photon")  # units of an absolute response
 _PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
 _Place = tuple[str, str]  # file, section
@@ -64,11 +64,7 @@ class Provenance:
     pattern
         For a family of names: the regular expression that matches them.
     range_nm
-        First and last wavelength of a formula or a library's table; None if unlimited. [nm]
-    carried_as
-        The name in colour-science, if it differs.
-    channels
-        The channels of a camera of colour-science.
+        First and last wavelength of what has no table of its own; None if unlimited. [nm]
     """
 
     name: str
@@ -90,8 +86,6 @@ class Provenance:
     table: str = ""
     pattern: str = ""
     range_nm: tuple[float, float] | None = None
-    carried_as: str = ""
-    channels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check.among(f"kind of {self.name}", self.kind, get_args(Kind))
@@ -282,7 +276,6 @@ def _provenance(
         pixel_source=str(source),
         table=table,
         range_nm=_range(section.get("range_nm"), name),
-        channels=tuple(section.get("channels", ())),
         **given,
     )
 

@@ -1,6 +1,6 @@
 """The catalog of sensors and tables by name, with provenance: built-in, or in a user's folder.
 
-Sensors come from data sheets, from cameras of colour-science, and from the paper. The four
+Sensors come from data sheets, from measured cameras, and from the paper. The four
 ``onyx-*`` sensors are a reconstruction consistent with the printed figures of the paper, whose
 Figure 7 shows the curves of the Teledyne e2v Onyx only as a picture. They are neither a measurement
 nor an independent validation.
@@ -14,15 +14,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, get_args
 
-import numpy as np
-
 from chromanoise.base import (
     Array,
     Float,
     InputError,
     Setting,
     check,
-    colour_science,
     did_you_mean,
     known_name,
 )
@@ -107,26 +104,6 @@ def _without_parameters(name: str) -> str:
 
 DEVICE_NAMES = (*catalog_tables("sensor"), *catalog_tables("camera"))
 """Sensors with curves from data sheets, and measured cameras."""
-
-_COLOUR_SCIENCE_CAMERAS = tuple(
-    name
-    for name, provenance in formulas().items()
-    if provenance.carried_as and not provenance.table
-)
-"""Cameras that colour-science includes."""
-
-
-def camera_curves(provenance: Provenance) -> Spectra:
-    """The relative curves of a camera of colour-science."""
-    measured = colour_science().MSDS_CAMERA_SENSITIVITIES[provenance.carried_as]
-    return Spectra(
-        wavelength_nm=np.asarray(measured.wavelengths, dtype=np.float64),
-        values=np.asarray(measured.values, dtype=np.float64),
-        names=tuple(label[0].upper() for label in measured.labels),
-        quantity=provenance.quantity,
-        unit=provenance.unit,
-        source=provenance.name,
-    )
 
 
 def sensor_from_table(
@@ -295,8 +272,8 @@ _MAKERS: dict[str, Callable[[Grid], Sensor]] = {
 SENSOR_NAMES = tuple(_MAKERS)
 """The paper's sensors and the models; they need no answers on any grid within 400-1050 nm."""
 
-KNOWN_SENSORS = (*SENSOR_NAMES, *DEVICE_NAMES, *_COLOUR_SCIENCE_CAMERAS)
-"""The names for `sensor_named`: SENSOR_NAMES, real devices, and cameras of colour-science."""
+KNOWN_SENSORS = (*SENSOR_NAMES, *DEVICE_NAMES)
+"""The names for `sensor_named`."""
 
 
 def sensor_named(
@@ -338,9 +315,6 @@ def sensor_named(
     if name in _MAKERS:
         sensor = _MAKERS[name](grid)
         return replace(sensor, pixel=replace(sensor.pixel, **pixel))
-    if name in _COLOUR_SCIENCE_CAMERAS:
-        known = formulas()[name]
-        return sensor_from_table(known, camera_curves(known), grid, answers=answers, pixel=pixel)
     known = next(one for one in sources().values() if one.name == name)
     return sensor_from_table(known, catalog_curves(known), grid, answers=answers, pixel=pixel)
 
@@ -604,7 +578,7 @@ def _built_in(provenance: Provenance) -> Entry:
     if provenance.table:
         return _of_table(provenance, catalog_curves(provenance))
     start, stop = provenance.range_nm or (None, None)
-    channels = provenance.channels
+    channels: tuple[str, ...] = ()
     if provenance.kind == "sensor" and provenance.name in SENSOR_NAMES:
         channels = sensor_named(provenance.name, DEFAULT_GRID).names
     asks = tuple(_asks(provenance, start, stop))

@@ -40,14 +40,8 @@ from chromanoise.study import (
     with_distinct_names,
 )
 from chromanoise.web.page_studies import Remembered, Studies, served_data, spoken, stamps_of
-from chromanoise.web.requests import (
-    QuestionError,
-    Upload,
-    field,
-    in_words,
-    malformed,
-    page_sentence,
-)
+from chromanoise.web.questions import QuestionError, field, malformed, page_sentence
+from chromanoise.web.uploads import Upload, in_words
 
 MOST_VALUES = 64_000_000
 _UNPACKED_BYTES = 512_000_000

@@ -25,7 +25,8 @@ from queue import SimpleQueue
 from typing import Any, BinaryIO
 
 from chromanoise.base import exit_code, sandbox, started_python
-from chromanoise.web.requests import QuestionError, Upload
+from chromanoise.web.questions import QuestionError
+from chromanoise.web.uploads import Upload
 
 _SIZE = struct.calcsize("q")
 FORKS = sys.platform == "linux"

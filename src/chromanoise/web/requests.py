@@ -1,8 +1,7 @@
-"""Requests to the page: access checks, parsing, uploads, and the files of the page.
+"""Requests to the page over HTTP: access checks, bodies of bounded size, and the page's files.
 
-Only this page in a browser on this machine is accepted. Requests are JSON of bounded size, with
-checks of the types of values. The drawing modules of the figures are served as the folder ``draw``.
-Uploaded files are stored temporarily under generated names.
+Only this page in a browser on this machine is accepted. The drawing modules of the figures are
+served as the folder ``draw``.
 """
 
 import asyncio
@@ -10,16 +9,10 @@ import base64
 import hashlib
 import json
 import re
-import shutil
-import tempfile
-import threading
-from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from pathlib import Path
 from typing import Any
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -27,7 +20,8 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from chromanoise.base import InputError, Setting, json_of, palette_css
+from chromanoise.base import palette_css
+from chromanoise.web.questions import QuestionError
 
 JSON_BYTES = 1_000_000
 UPLOAD_BYTES = 12_000_000
@@ -226,52 +220,6 @@ _MOST_COMING_BYTES = 64_000_000  # of all bodies being received
 _REST_S = 5.0  # longest time between two chunks of a body
 
 
-class QuestionError(Exception):
-    """A request that is refused with messages, each with the key it refers to.
-
-    Attributes
-    ----------
-    faults
-        Pairs of where (``sensors.0.name``) and sentence.
-    status
-        HTTP status; 200 if a well-formed request contains an invalid value, because browsers log
-        every other status as an error of the page.
-    unread
-        Whether the body is not read yet: the reply is sent first, then the body is discarded.
-    """
-
-    def __init__(self, *faults: tuple[str, str], status: int = 200, unread: bool = False) -> None:
-        super().__init__("; ".join(sentence for _, sentence in faults))
-        self.faults, self.status, self.unread = faults, status, unread
-
-
-def page_sentence(error: InputError) -> str:
-    """The sentence of an error in the terms of the page, whose controls have the names of settings.
-
-    Parameters
-    ----------
-    error
-        Of the library, or one of a study.
-    """
-
-    def rendered(setting: Setting) -> str:
-        name = setting.name.rpartition(".")[2].replace("_", " ")
-        if setting.omit:
-            return f"omit {name}"
-        values = " or ".join(map(str, setting.values))
-        return f"set {name} to {values}" if values else f"set {name}"
-
-    subject = error.subject
-    if error.setting and subject == error.setting_name:
-        subject = subject.replace("_", " ")
-    return error.sentence(subject=subject, render=rendered)
-
-
-def malformed(where: str, sentence: str) -> QuestionError:
-    """The error for a malformed request, which the page never sends."""
-    return QuestionError((where, sentence), status=400)
-
-
 @dataclass(slots=True, eq=False)
 class _Coming:
     patience: asyncio.Timeout
@@ -346,76 +294,6 @@ class Bodies:
                 over -= one.length
 
 
-def data_of(body: bytes) -> dict[str, Any]:
-    """The JSON object in a body.
-
-    Raises
-    ------
-    QuestionError
-        If it is none, or as `json_of`.
-    """
-    try:
-        data = json_of(body, "the request")
-    except InputError as error:
-        raise malformed("", str(error)) from None
-    if not isinstance(data, dict):
-        raise malformed("", f"the request must be a JSON object, but is a {_kind(data)}")
-    return data
-
-
-def refuse_long_lists(data: Mapping | list, where: str = "") -> None:
-    """Refuse a study in which a list or an object has more entries than the page accepts.
-
-    Raises
-    ------
-    QuestionError
-        If there is one, or the study is nested too deeply.
-    """
-    if where.count(".") > _DEEPEST:
-        raise malformed(where[:80], f"{where[:80]} is nested too deeply for a study")
-    inside = data.items() if isinstance(data, dict) else enumerate(data)
-    if len(data) > MOST_ENTRIES:
-        raise malformed(
-            where, f"{where or 'the study'} has {len(data)} entries; the limit is {MOST_ENTRIES}"
-        )
-    for key, value in inside:
-        if isinstance(value, dict | list):
-            refuse_long_lists(value, f"{where}.{key}" if where else str(key))
-
-
-def field(data: Mapping[str, Any], name: str, kind: type, default: Any) -> Any:
-    """One value of a question, of the kind that it must have.
-
-    Raises
-    ------
-    QuestionError
-        If it is of another kind.
-    """
-    value = data.get(name, default)
-    if value is not default and (
-        not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool)
-    ):
-        raise malformed(name, f"{name} must be a JSON {_NAMES[kind]}, but is a {_kind(value)}")
-    return value
-
-
-MOST_ENTRIES = 64
-_DEEPEST = 12
-_NAMES = {
-    dict: "object",
-    list: "list",
-    str: "string",
-    int: "whole number",
-    float: "number",
-    bool: "truth value",
-    type(None): "null",
-}
-
-
-def _kind(value: Any) -> str:
-    return _NAMES.get(type(value), "value")
-
-
 def _too_long(most_bytes: int, *, unread: bool = False) -> QuestionError:
     message = f"the request exceeds the limit of {most_bytes / 1e6:g} MB"
     return QuestionError(("", message), status=413, unread=unread)
@@ -454,172 +332,3 @@ async def question_of(request: Request, bodies: Bodies) -> bytes:
         message = "a request must be sent as application/json"
         raise QuestionError(("", message), status=415, unread=True)
     return await bodies.body_of(request, most_bytes=JSON_BYTES)
-
-
-MOST_FILES = 256
-MOST_BYTES = 128_000_000
-
-_ID = re.compile(r"upload:[0-9a-f]{16}(\.[a-z0-9]+)?")
-_ENDINGS = {
-    "table": (".csv", ".tsv", ".txt", ".json", ".sp", ".spdx", ".xml", ".xlsx"),
-    "cube": (".npz", ".npy", ".tif", ".tiff", ".h5", ".hdf5", ".nc"),
-    "either": (".mat",),
-    "matrix": (".clf", ".dng", ".dcp"),
-    "toml": (".toml",),
-}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Upload:
-    """A file that was dropped.
-
-    Attributes
-    ----------
-    id
-        By which questions name it: ``upload:``, a digest of its content, and its ending.
-    label
-        What it was called, as far as it can be shown; never a path.
-    path
-        Where it lies, under a name of ours.
-    kind
-        ``table``, ``cube``, ``either``, ``matrix`` or ``toml``, by its ending.
-    """
-
-    id: str
-    label: str
-    path: Path
-    kind: str
-    size_bytes: int
-
-
-class Kept:
-    """The files that a question may name."""
-
-    def __init__(self) -> None:
-        self._kept: OrderedDict[str, Upload] = OrderedDict()
-        self._lock = threading.Lock()
-
-    def hold(self, files: tuple[Upload, ...]) -> None:
-        """Keep these files, and no others."""
-        with self._lock:
-            self._kept = OrderedDict((one.id, one) for one in files)
-
-    def held(self) -> tuple[Upload, ...]:
-        """All files."""
-        with self._lock:
-            return tuple(self._kept.values())
-
-    def named(self, word: str) -> Upload | None:
-        """The file that a word of a study names; ``None`` if it names none of ours.
-
-        Raises
-        ------
-        QuestionError
-            If it names one that is not here any more.
-        """
-        match = _ID.match(word)
-        if match is None:
-            return None
-        with self._lock:
-            found = self._kept.get(match[0])
-        if found is None:
-            raise QuestionError(
-                (
-                    "",
-                    "this was a file that somebody dropped, and this server does not have it (any "
-                    "more); drop the file again and use it here",
-                )
-            )
-        return found
-
-
-class Uploads(Kept):
-    """A temporary folder; when it is full the oldest files go."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._folder = Path(tempfile.mkdtemp(prefix="chromanoise-"))
-
-    def keep(self, name: str, content: bytes) -> Upload:
-        """The file, written.
-
-        Raises
-        ------
-        QuestionError
-            If its ending says that nothing here reads it, or it is empty.
-        """
-        label, ending = label_of(name), _ending(name)
-        kind = next((kind for kind, known in _ENDINGS.items() if ending in known), None)
-        if kind is None:
-            every = ", ".join(one for known in _ENDINGS.values() for one in known)
-            raise QuestionError(("file", f"{label}: the page reads files that end in {every}"))
-        if not content:
-            raise QuestionError(("file", f"{label}: the file is empty"))
-        digest = hashlib.sha256(ending.encode() + content).hexdigest()[:16]
-        path = self._folder / f"{digest}{ending}"
-        one = Upload(
-            id=f"upload:{digest}{ending}",
-            label=label,
-            path=path,
-            kind=kind,
-            size_bytes=len(content),
-        )
-        with self._lock:
-            self._kept.pop(one.id, None)
-            self._make_room(one.size_bytes)
-            path.write_bytes(content)
-            self._kept[one.id] = one
-        return one
-
-    @contextmanager
-    def empty_folder(self) -> Iterator[Path]:
-        """A folder for one job, removed with all that is in it, however the job ends."""
-        made = tempfile.TemporaryDirectory(dir=self._folder, ignore_cleanup_errors=True)
-        with made as name:
-            yield Path(name)
-
-    def close(self) -> None:
-        """Remove all of it."""
-        shutil.rmtree(self._folder, ignore_errors=True)
-
-    def _make_room(self, size_bytes: int) -> None:
-        def total() -> int:
-            return sum(one.size_bytes for one in self._kept.values())
-
-        while self._kept and (len(self._kept) >= MOST_FILES or total() + size_bytes > MOST_BYTES):
-            _, oldest = self._kept.popitem(last=False)
-            oldest.path.unlink(missing_ok=True)
-
-
-def upload_at(path: Path) -> Upload:
-    """A file of the server's user, to be read as an uploaded table; it is not kept."""
-    size_bytes = path.stat().st_size if path.exists() else 0
-    label = label_of(path.name)
-    return Upload(id="", label=label, path=path.absolute(), kind="table", size_bytes=size_bytes)
-
-
-def label_of(name: str) -> str:
-    r"""The last step of a name, as far as it can be shown.
-
-    Examples
-    --------
-    >>> label_of("../../etc/pass\x00wd.csv"), label_of("C:\\curves\\night.csv")
-    ('passwd.csv', 'night.csv')
-    """
-    last = re.split(r"[/\\]", name)[-1]
-    return "".join(c for c in last if c.isprintable()).strip()[:60] or "a file"
-
-
-def in_path(word: str, upload: Upload) -> str:
-    """A word of a study with the file's path in place of its id: a light may have more behind."""
-    return word.replace(upload.id, str(upload.path), 1)
-
-
-def in_words(text: str, upload: Upload) -> str:
-    """A sentence or a name that speaks of the file as its person calls it."""
-    stem = Path(upload.label).stem or upload.label
-    return text.replace(str(upload.path), upload.label).replace(upload.path.stem, stem)
-
-
-def _ending(name: str) -> str:
-    return Path(label_of(name)).suffix.lower()

@@ -21,22 +21,20 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from chromanoise.web.processes import Workers
+from chromanoise.web.questions import QuestionError, malformed
 from chromanoise.web.requests import (
     UPLOAD_BYTES,
     AsciiJSONResponse,
     Bodies,
-    QuestionError,
-    Uploads,
     asset_reply,
     fault_reply,
     guarded,
     index,
-    malformed,
     page_policy,
     passed_over,
     question_of,
-    upload_at,
 )
+from chromanoise.web.uploads import Uploads, upload_at
 
 if TYPE_CHECKING:
     from uvicorn import Server

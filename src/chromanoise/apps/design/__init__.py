@@ -27,10 +27,10 @@ if TYPE_CHECKING:
         DesignScene as DesignScene,
         Objectives as Objectives,
     )
-    from chromanoise.apps.design.front_charts import (
+    from chromanoise.apps.design.front_charts import drawn_front
+    from chromanoise.apps.design.front_figures import (
         draw_front as draw_front,
         draw_sensitivity as draw_sensitivity,
-        drawn_front,
         front_figure as front_figure,
     )
     from chromanoise.apps.design.objectives import (

@@ -45,7 +45,7 @@ def _of_camera(shared: Provenance, facts: "CameraFacts") -> Provenance:
 
 @cache
 def formulas() -> Mapping[str, Provenance]:
-    """The provenance, by name, of what a formula or colour-science provides."""
+    """The provenance, by name, of what has no table of its own."""
     return formula_provenances(_packaged("FORMULAS.toml"), "FORMULAS.toml")
 
 
