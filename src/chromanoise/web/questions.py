@@ -1,6 +1,8 @@
 """What a question to the page consists of: its JSON, its values, and why it is refused."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping
+from itertools import islice
 from typing import Any
 
 from chromanoise.base import InputError, Setting, json_of
@@ -23,6 +25,25 @@ class QuestionError(Exception):
     def __init__(self, *faults: tuple[str, str], status: int = 200, unread: bool = False) -> None:
         super().__init__("; ".join(sentence for _, sentence in faults))
         self.faults, self.status, self.unread = faults, status, unread
+
+
+_LONGEST_SENTENCE = 1000
+_MOST_FAULTS = 100  # in one answer
+
+
+def faults_json(faults: Iterable[tuple[str, str]]) -> str:
+    """Faults as every reply tells them, in ASCII: unpaired surrogates cannot be sent otherwise.
+
+    Parameters
+    ----------
+    faults
+        Pairs of where and sentence, of which the first 100 are told.
+    """
+    told = [
+        {"where": where[:_LONGEST_SENTENCE], "sentence": sentence[:_LONGEST_SENTENCE]}
+        for where, sentence in islice(faults, _MOST_FAULTS)
+    ]
+    return json.dumps({"faults": told}, allow_nan=False)
 
 
 def page_sentence(error: InputError) -> str:

@@ -7,21 +7,19 @@ served as the folder ``draw``.
 import asyncio
 import base64
 import hashlib
-import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from typing import Any
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from chromanoise.base import palette_css
-from chromanoise.web.questions import QuestionError
+from chromanoise.web.questions import QuestionError, faults_json
 
 JSON_BYTES = 1_000_000
 UPLOAD_BYTES = 12_000_000
@@ -132,19 +130,10 @@ def guarded(app: ASGIApp, *, port: int, policy: Callable[[], str]) -> ASGIApp:
     return checked
 
 
-class AsciiJSONResponse(JSONResponse):
-    """JSON with escapes for all other characters; unpaired surrogates cannot be sent otherwise."""
-
-    def render(self, content: Any) -> bytes:
-        """The bytes of the body."""
-        return json.dumps(content, allow_nan=False).encode("ascii")
-
-
-def fault_reply(status: int, sentence: str, *, where: str = "") -> JSONResponse:
+def fault_reply(status: int, sentence: str, *, where: str = "") -> Response:
     """One fault as every answer of the server tells it."""
-    return AsciiJSONResponse(
-        {"faults": [{"where": where, "sentence": sentence}]}, status_code=status
-    )
+    text = faults_json([(where, sentence)])
+    return Response(text, status_code=status, media_type="application/json")
 
 
 _TYPES = {

@@ -21,10 +21,9 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from chromanoise.web.processes import Workers
-from chromanoise.web.questions import QuestionError, malformed
+from chromanoise.web.questions import QuestionError, faults_json, malformed
 from chromanoise.web.requests import (
     UPLOAD_BYTES,
-    AsciiJSONResponse,
     Bodies,
     asset_reply,
     fault_reply,
@@ -38,9 +37,6 @@ from chromanoise.web.uploads import Uploads, upload_at
 
 if TYPE_CHECKING:
     from uvicorn import Server
-
-_LONGEST_SENTENCE = 1000
-_MOST_FAULTS = 100  # in one answer
 
 
 class _Server:
@@ -195,17 +191,14 @@ def _replying(
 
 
 def _refusing(error: QuestionError) -> Response:
-    faults = [
-        {"where": where[:_LONGEST_SENTENCE], "sentence": sentence[:_LONGEST_SENTENCE]}
-        for where, sentence in error.faults[:_MOST_FAULTS]
-    ]
     # what follows of a body that was not read to its end is not read either
     headers = {} if error.status in (200, 400, 503) else {"Connection": "close"}
-    kind = _ToldFirst if error.unread else AsciiJSONResponse
-    return kind({"faults": faults}, status_code=error.status, headers=headers)
+    kind = _ToldFirst if error.unread else Response
+    text = faults_json(error.faults)
+    return kind(text, error.status, headers=headers, media_type="application/json")
 
 
-class _ToldFirst(AsciiJSONResponse):
+class _ToldFirst(Response):
     """An answer that is whole before the body of its question has come, and passes over that."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

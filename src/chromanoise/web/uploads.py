@@ -128,6 +128,10 @@ class Uploads(Kept):
             self._kept[one.id] = one
         return one
 
+    def make_folder(self) -> None:
+        """Make the folder again, if it is gone."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+
     @contextmanager
     def empty_folder(self) -> Iterator[Path]:
         """A folder for one job, removed with all that is in it, however the job ends."""
