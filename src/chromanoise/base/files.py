@@ -42,7 +42,7 @@ from typing import IO, Any
 from chromanoise.base.errors import InputError, StudyError, errors_in
 from chromanoise.base.inputs import json_file, json_of
 
-if sys.platform != "win32":
+if sys.platform not in ("win32", "wasi"):
     import fcntl
 
 _SUMMARIES = (".json", ".html")  # files that describe the other files
@@ -642,7 +642,7 @@ def _is_at(path: Path, opened: IO[str]) -> bool:
 
 def _lock(journal: IO[str], folder: Path) -> bool:
     """Whether this process has locked the file; ``False`` if the file system has no locks."""
-    if sys.platform == "win32":
+    if sys.platform in ("win32", "wasi"):
         return False
     try:
         _flock(journal, fcntl.LOCK_EX)

@@ -72,7 +72,7 @@ def inlined(function: Callable[..., Any]) -> Any:
 def kernel_of(
     module: str, name: str, values: int, bands: int = 0, kind: str = ""
 ) -> Callable[..., Any]:
-    """The compiled kernel; for a small picture its twin of `plain`, while nothing is compiled.
+    """The compiled kernel; its twin of `plain` without numba, and for a small picture at first.
 
     Compiling takes as long as some ten small pictures. So nothing is compiled until pictures of
     plain numpy have cost as much, in this process and those before it. On another processor with
@@ -89,6 +89,9 @@ def kernel_of(
     kind
         The data type for which the kernel is compiled, where it takes several.
     """
+    plain = getattr(import_module(f"{__package__}.plain"), name)
+    if find_spec("numba") is None:
+        return plain
     seconds = values * (_VALUE_S + bands * _BAND_S)
     what = "-".join(filter(None, (name, kind)))
     folder = kernel_folder(_PACKAGE)
@@ -108,7 +111,6 @@ def kernel_of(
         if is_ready:
             _ready.add(what)
         return kernel if is_ready else compiling
-    plain = getattr(import_module(f"{__package__}.plain"), name)
 
     def timed(*arguments: Any) -> None:
         began = time.thread_time()
@@ -297,7 +299,6 @@ def _is_private(folder: Path) -> bool:
 
 _PACKAGE = Path(__file__).parent
 _LOCK = Lock()
-_NO_RESULT = (ctypes.byref(ctypes.c_void_p()), ctypes.byref(ctypes.c_void_p()))  # nor an error
 _KINDS = {"u": "uint", "i": "int", "f": "float"}
 
 
@@ -318,10 +319,16 @@ def stored_kernel(module: str, name: str) -> Callable[..., None]:
             with _LOCK:  # the engine takes a symbol once
                 if types not in loaded:
                     loaded[types] = _function(module, name, f"void({types})")
-        status = loaded[types](*_NO_RESULT, *map(_as_c, arguments))
+        status = loaded[types](*_no_result(), *map(_as_c, arguments))
         assert status == 0, f"{name} returned {status}"
 
     return call
+
+
+@cache
+def _no_result() -> tuple[Any, Any]:
+    """Where a kernel would put a result, and an error."""
+    return ctypes.byref(ctypes.c_void_p()), ctypes.byref(ctypes.c_void_p())
 
 
 def _type_of(argument: Any) -> str:

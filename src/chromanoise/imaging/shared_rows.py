@@ -12,6 +12,7 @@ which avoids a page fault for every page.
 import errno
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
@@ -286,13 +287,25 @@ def filled(
             release(out)
         return counts
 
-    pool = ThreadPoolExecutor(threads)
+    pool = _AtOnce() if sys.platform == "wasi" else ThreadPoolExecutor(threads)
     try:
         spans = [(first, some[-1][1]) for first, some in handfuls.items()]
         nested = _in_order(partial(_submitted, pool, here), spans, work, 2 * threads)
         return [counts for handful in nested for counts in handful]
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+class _AtOnce(Executor):
+    """Work that is done when it is submitted, on systems without threads."""
+
+    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> "Future[Any]":
+        future: Future[Any] = Future()
+        try:
+            future.set_result(function(*given, **named))
+        except Exception as error:
+            future.set_exception(error)
+        return future
 
 
 Submit = Callable[[int, int], tuple["Future[Any]", Callable[[Any], Any]]]

@@ -128,7 +128,7 @@ class ChartReplies:
         study = asked.study
         looked = tuple(getattr(asked.look, name) for name in _LOOKS.get(part, ()))
         words = asked.words
-        if part == "sensitivities":  # they do not depend on level and exposure
+        if part in ("league", "sensitivities"):  # they do not depend on level and exposure
             words = ""
         elif part == "map":
             words = _words(study, _BESIDE)
