@@ -50,15 +50,45 @@ def _of_finite(solver: Callable[..., Any], what: str, *arrays: Array, **options:
 
 cholesky = partial(_of_finite, np.linalg.cholesky)
 det = partial(_of_finite, np.linalg.det)
-eigh = partial(_of_finite, np.linalg.eigh)
 eigvalsh = partial(_of_finite, np.linalg.eigvalsh)
 inv = partial(_of_finite, np.linalg.inv)
 lstsq = partial(_of_finite, np.linalg.lstsq)
 matrix_rank = partial(_of_finite, np.linalg.matrix_rank)
 pinv = partial(_of_finite, np.linalg.pinv)
-qr = partial(_of_finite, np.linalg.qr)
 solve = partial(_of_finite, np.linalg.solve)
-svd = partial(_of_finite, np.linalg.svd)
+
+
+def eigh(what: str, s: Float[Array, "*k p p"]) -> tuple[Array, Array]:
+    """Eigenvalues and eigenvectors of symmetric matrices, with signs that depend on no library."""
+    values, vectors = _of_finite(np.linalg.eigh, what, s)
+    return values, vectors * _signs(vectors)
+
+
+def qr(what: str, a: Float[Array, "n p"], **options: Any) -> tuple[Array, Array]:
+    """Orthonormal columns Q and R with A = Q R, with signs that depend on no library."""
+    q, r = _of_finite(np.linalg.qr, what, a, **options)
+    signs = _signs(q)
+    return q * signs, np.swapaxes(signs, -1, -2) * r
+
+
+def svd(what: str, a: Float[Array, "*k n p"], **options: Any) -> Any:
+    """The singular value decomposition of numpy, with signs that depend on no library."""
+    found = _of_finite(np.linalg.svd, what, a, **options)
+    if isinstance(found, np.ndarray):
+        return found
+    u, singular, rows = found
+    signs, shared = _signs(np.swapaxes(rows, -1, -2)), singular.shape[-1]
+    of_u = _signs(u)
+    of_u[..., :shared] = signs[..., :shared]
+    return u * of_u, singular, rows * np.swapaxes(signs, -1, -2)
+
+
+def _signs(columns: Array) -> Array:
+    """1 or -1 for each column, which make its largest entry positive; the first of equal ones."""
+    sizes = np.abs(columns)
+    largest = np.argmax(sizes >= 0.999 * sizes.max(axis=-2, keepdims=True), axis=-2)
+    entries = np.take_along_axis(columns, largest[..., None, :], axis=-2)
+    return np.where(entries < 0, -1.0, 1.0)
 
 
 def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Array, "*px q q"]:
