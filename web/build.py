@@ -36,7 +36,8 @@ USED = {"PIL", "_sysconfigdata__wasi_wasm32-wasi", "chromanoise", "numpy", "scip
 """Packages that the page uses; of others, only the standard library is kept."""
 UNUSED_PARTS = re.compile(
     r"numpy/(distutils|_pyinstaller)/|.*/tests?/|chromanoise/(cli|apps/(training|paper))/"
-    r"|scipy/(cluster|datasets|differentiate|fftpack|integrate|io|misc|odr|signal|spatial|stats)/"
+    r"|scipy/(cluster|constants|datasets|differentiate|fftpack|integrate|interpolate|io|misc)/"
+    r"|scipy/(odr|signal|spatial|stats)/"
     r"|PIL/(?!(Image|ImageMode|ImagePalette|ImageFile|ImageChops|ImageSequence|PngImagePlugin|ExifTags"
     r"|TiffTags|GimpGradientFile|GimpPaletteFile|PaletteFile|ImageColor|_\w+|__init__|features)\.)"
     r"|(idlelib|turtledemo|tkinter|pydoc_data|ensurepip|lib2to3|profiling|curses|dbm|wsgiref|xmlrpc"
@@ -45,6 +46,8 @@ UNUSED_PARTS = re.compile(
     r"|compileall|tabnanny|socketserver|optparse|getpass|plistlib|zoneinfo|asyncio)[/.]"
 )
 """Modules that no answer of the page imports."""
+REPLACED = {"scipy/optimize/__init__.py": HERE / "scipy_optimize.py"}
+"""Modules with another text in the page."""
 USED_INSIDE = re.compile(
     r"[^.]+$|numpy\.|scipy\.(_lib|_cyutility|fft|linalg|ndimage|optimize|sparse|special)\b"
 )
@@ -53,14 +56,12 @@ UNUSED_FUNCTIONS = re.compile(
     "pandas|sklearn|statsmodels|lxml|xslt|^xml(X|Schema|RelaxNG)|^html[A-Z]|sqlite|vdbe|^fts[35]"
     "|ft2font|FT2|^(FT|T1|tt|TT|af|hb)_|^cf[f2]|CFF::|_hb_|OT::|[Aa]gg(::|[A-Z])|_agg|contour"
     r"|kiwi|\bmpl::|matplotlib|image_resample|Trapezoid|fast_matrix_market::line_counts|packaged_task"
-    "|distance_pybind|pythran|unuran|_unur|biasedurn|svm_|liblinear|hdbscan|^qh_|[Qq]hull|superlu"
-    "|[sdcz]gssv|arnoldi|arpack|cobyla|slsqp|trlib|directIntegrate|kdtree|regex_|_raqm|SheenBidi"
+    "|distance_pybind|[Hh]ighs|HEkk|HPresolve|ipx::|HFactor|HSimplex|HQPrimal|pythran|unuran|_unur|biasedurn|svm_|liblinear|hdbscan|^qh_|[Qq]hull|superlu"
+    "|[sdcz]gssv|arnoldi|arpack|cobyla|trlib|directIntegrate|kdtree|regex_|_raqm|SheenBidi"
     "|Imaging.*([Jj]peg|[Ww]eb[Pp]|[Tt]iff)|lsoda|fitpack|fpclos"
     "|^void (bsr|csr|csc|coo|dia)_|^f2py_rout|propack"
 )
 """Names of compiled functions of libraries that no answer calls: their bodies become traps."""
-UNUSED_SOLVER = re.compile("[Hh]ighs|HEkk|HPresolve|ipx::|HFactor|HSimplex|HQPrimal")
-"""The same of HiGHS, whose functions with pybind11 in their names run when scipy is imported."""
 
 
 def main() -> None:
@@ -128,6 +129,8 @@ def with_sources(runtime: Path) -> Path:
             is_left_out = re.search("__pycache__|/web/assets/", name) or UNUSED_PARTS.match(name)
             if path.is_file() and not is_left_out:
                 sources.writestr(zipfile.ZipInfo(name, DATED), path.read_bytes())
+        for name, path in REPLACED.items():
+            sources.writestr(zipfile.ZipInfo(name, DATED), path.read_bytes())
     standard = runtime / "python-stdlib.zip"
     script = HERE / "compile_sources.py"
     run_python(runtime / "python.wasm", standard, "--with", WORK / "sources.zip", script)
@@ -171,8 +174,7 @@ def unused_functions() -> Callable[[str], bool]:
             return True
         if starting.match(function):
             return False
-        is_of_solver = UNUSED_SOLVER.search(function) and "pybind11" not in function
-        return bool(UNUSED_FUNCTIONS.search(function) or is_of_solver)
+        return bool(UNUSED_FUNCTIONS.search(function))
 
     return is_unused
 

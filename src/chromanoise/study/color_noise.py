@@ -126,6 +126,9 @@ class Viewing:
         return pixels_per_degree(distance_mm=self.distance_mm, pixel_pitch_mm=self.pixel_pitch_mm)
 
 
+_ROUNDING = 1e-13  # of the terms of a variance
+
+
 def noise_as_viewed(
     white_e: Float[Array, " p"],
     sensor: Sensor,
@@ -160,8 +163,13 @@ def noise_as_viewed(
         samples=PLANE,
     )
     to_luv = _of_gray(LUV)
-    variance = np.einsum("ia,...ab,ib->...i", to_luv, viewed, to_luv)
-    noise = np.sqrt(np.maximum(variance, 0.0)) @ ISO_15739_2017.weights
+    variance, terms = (
+        np.einsum("ia,...ab,ib->...i", slopes, covariance, slopes)
+        for slopes, covariance in ((to_luv, viewed), (np.abs(to_luv), np.abs(viewed)))
+    )
+    # a difference within rounding is none: its root would be a hundred million times as large
+    variance = np.where(variance > _ROUNDING * terms, variance, 0.0)
+    noise = np.sqrt(variance) @ ISO_15739_2017.weights
     return np.where(known, noise, np.nan)
 
 
