@@ -9,8 +9,26 @@ SENSORS = (
     *("model-rgb-ircut", "model-rgbir", "model-cmy-ircut", "model-ryb-ircut", "mt9m131"),
     *("model-three-layer", "nikon-d850", "sony-ilce-7m4", "sigma-sd-merrill", "model-rccb"),
 )
-LIGHTS = ("E", "A", "G173", "3200K", "halogen", "led-white", "LED850", "A+0.5xLED850", "D65", "FL11")
-MATRICES = ("kernel", "least-squares", "lmmse", "ridge=0.01", "white-preserving", "noise-regularized=1")
+LIGHTS = (
+    "E",
+    "A",
+    "G173",
+    "3200K",
+    "halogen",
+    "led-white",
+    "LED850",
+    "A+0.5xLED850",
+    "D65",
+    "FL11",
+)
+MATRICES = (
+    "kernel",
+    "least-squares",
+    "lmmse",
+    "ridge=0.01",
+    "white-preserving",
+    "noise-regularized=1",
+)
 FILTERS = (None, "ircut-650", "ircut-700/20", "ircut-schott")
 LIGHT_LUX = (0.01, 0.3, 1.0, 10.0, 200.0)
 
@@ -22,7 +40,10 @@ def studies(count, seed=0):
 
 
 def _study(draw):
-    light = {"illuminant": draw.choice(LIGHTS), "level_lux": draw.choice(LIGHT_LUX) * draw.uniform(0.5, 2)}
+    light = {
+        "illuminant": draw.choice(LIGHTS),
+        "level_lux": draw.choice(LIGHT_LUX) * draw.uniform(0.5, 2),
+    }
     if light["illuminant"] in ("D65", "FL11"):
         light["beyond"] = draw.choice(("zero", "hold"))
     sensors = []

@@ -69,6 +69,11 @@ def inlined(function: Callable[..., Any]) -> Any:
     return njit(**_INNER, forceinline=True)(function)
 
 
+def either_module(compiled: str, plain: str) -> Any:
+    """A module of kernels, or where numba is not installed the one of numpy with the same names."""
+    return import_module(plain if find_spec("numba") is None else compiled)
+
+
 def kernel_of(
     module: str, name: str, values: int, bands: int = 0, kind: str = ""
 ) -> Callable[..., Any]:

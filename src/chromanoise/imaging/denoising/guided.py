@@ -19,11 +19,13 @@ power of a component from its estimate).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from chromanoise.base import Array, Float, Float32
 from chromanoise.imaging.denoising.electron_planes import DenoisingMethod, NoisyPlanes
+from chromanoise.imaging.kernel_cache import either_module
 
 _NARROW, _WIDE = 1.0, 8.0  # difference of two levels that is halved, with and without structure
 
@@ -92,8 +94,6 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 def guided_estimate(planes: NoisyPlanes, windows: Windows) -> Float32[Array, "h w p"]:
     """As `denoise`, with windows of other sizes. [e-]"""
-    from chromanoise.imaging.denoising.guided_kernels import fuse  # numba is slow to import
-
     noise = planes.law.coefficients
     values = [np.ascontiguousarray(np.moveaxis(planes.values_e, 2, 0))]
     shares = [(np.ones(values[0].shape[1]), np.ones(values[0].shape[2]))]
@@ -104,7 +104,8 @@ def guided_estimate(planes: NoisyPlanes, windows: Windows) -> Float32[Array, "h 
     while values:
         fine, active = _estimate(values.pop(), noise, shares[len(values)], windows)
         own, own_active = _halved(fine), _halved(active[None])[0]
-        fuse(fine, coarse, own, own_active, noise, *shares[len(values) + 1], _NARROW, _WIDE)
+        share = shares[len(values) + 1]
+        _kernels().fuse(fine, coarse, own, own_active, noise, *share, _NARROW, _WIDE)
         coarse = fine
     out = np.ascontiguousarray(np.moveaxis(coarse, 0, 2))
     noiseless = ~planes.law.has_noise
@@ -112,13 +113,16 @@ def guided_estimate(planes: NoisyPlanes, windows: Windows) -> Float32[Array, "h 
     return out
 
 
+def _kernels() -> Any:
+    """The compiled functions, or without numba those of numpy."""
+    return either_module(f"{__package__}.guided_kernels", f"{__package__}.guided_plain")
+
+
 def _halved(values: Float32[Array, "p h w"]) -> Float32[Array, "p h2 w2"]:
     """Means of 2 x 2 pixels."""
-    from chromanoise.imaging.denoising.guided_kernels import halved
-
     p, h, w = values.shape
     out = np.empty((p, -(-h // 2), -(-w // 2)), np.float32)
-    halved(values, out)
+    _kernels().halved(values, out)
     return out
 
 
@@ -135,10 +139,9 @@ def _estimate(
     windows: Windows,
 ) -> tuple[Float32[Array, "p h w"], Float32[Array, "h w"]]:
     """The estimate of one level, and the activity in its largest windows."""
-    from chromanoise.imaging.denoising.guided_kernels import add_estimates
-
     estimate, (weight, active) = np.zeros_like(values), np.zeros((2, *values.shape[1:]), np.float32)
     edge = np.float32(windows.edge)
+    add_estimates = _kernels().add_estimates
     for radius in windows.radii:
         add_estimates(values, noise, *shares, radius, edge, estimate, weight, active)
     estimate /= weight

@@ -10,14 +10,13 @@ from typing import no_type_check
 
 import numpy as np
 
+from chromanoise.imaging.denoising.guided_plain import LEAST_VARIANCE
 from chromanoise.imaging.kernel_cache import kernel
 
 _LANES = 32
 _F = np.float32
 _ZERO, _ONE, _TWO, _FOUR = _F(0.0), _F(1.0), _F(2.0), _F(4.0)
 _TINY = _F(1e-30)
-_LEAST_VARIANCE = 1e-10
-"""Least variance of the noise, as a share of the mean square: float32 holds no smaller one."""
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 _compiled = kernel(**_OPTIONS)
 _within = kernel(
@@ -143,7 +142,7 @@ def _whitened(moments, number, noise, share, mean, unit, power):
         for lane in range(_LANES):
             m = moments[a, lane]
             variance = _variance(noise, a, m) * share[lane]
-            variance = max(variance, _LEAST_VARIANCE * moments[square, lane]) + 1e-30
+            variance = max(variance, LEAST_VARIANCE * moments[square, lane]) + 1e-30
             mean[a, lane] = m
             unit[a, lane] = np.sqrt(variance)
         for b in range(a + 1):
@@ -311,7 +310,7 @@ def fuse(fine, coarse, own, active, noise, row_share, column_share, narrow, wide
             for a in range(p):
                 light = max(np.float64(coarse[a, y, x]), 0.0)
                 variance = _variance(noise, a, light) * row_share[y] * column_share[x]
-                variance = max(variance, _LEAST_VARIANCE * light * light)
+                variance = max(variance, LEAST_VARIANCE * light * light)
                 change = np.float64(coarse[a, y, x]) - np.float64(own[a, y, x])
                 apart += change * change / (p * (variance + 1e-30))
             gate = narrow + (wide - narrow) * (1.0 - active[y, x])
