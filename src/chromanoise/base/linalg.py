@@ -58,10 +58,16 @@ pinv = partial(_of_finite, np.linalg.pinv)
 solve = partial(_of_finite, np.linalg.solve)
 
 
-def eigh(what: str, s: Float[Array, "*k p p"]) -> tuple[Array, Array]:
-    """Eigenvalues and eigenvectors of symmetric matrices, with signs that depend on no library."""
+def eigh(what: str, s: Array) -> tuple[Array, Array]:
+    """Eigenvalues and eigenvectors of symmetric matrices; signs of real ones depend on no library.
+
+    Parameters
+    ----------
+    s
+        Symmetric or Hermitian, over the last two axes.
+    """
     values, vectors = _of_finite(np.linalg.eigh, what, s)
-    return values, vectors * _signs(vectors)
+    return values, vectors if np.iscomplexobj(vectors) else vectors * _signs(vectors)
 
 
 def qr(what: str, a: Float[Array, "n p"], **options: Any) -> tuple[Array, Array]:
@@ -71,10 +77,10 @@ def qr(what: str, a: Float[Array, "n p"], **options: Any) -> tuple[Array, Array]
     return q * signs, np.swapaxes(signs, -1, -2) * r
 
 
-def svd(what: str, a: Float[Array, "*k n p"], **options: Any) -> Any:
-    """The singular value decomposition of numpy, with signs that depend on no library."""
+def svd(what: str, a: Array, **options: Any) -> Any:
+    """The singular value decomposition of numpy; signs of real vectors depend on no library."""
     found = _of_finite(np.linalg.svd, what, a, **options)
-    if isinstance(found, np.ndarray):
+    if isinstance(found, np.ndarray) or np.iscomplexobj(a):
         return found
     u, singular, rows = found
     signs, shared = _signs(np.swapaxes(rows, -1, -2)), singular.shape[-1]
@@ -85,6 +91,8 @@ def svd(what: str, a: Float[Array, "*k n p"], **options: Any) -> Any:
 
 def _signs(columns: Array) -> Array:
     """1 or -1 for each column, which make its largest entry positive; the first of equal ones."""
+    if not columns.size:
+        return np.ones((*columns.shape[:-2], 1, columns.shape[-1]))
     sizes = np.abs(columns)
     largest = np.argmax(sizes >= 0.999 * sizes.max(axis=-2, keepdims=True), axis=-2)
     entries = np.take_along_axis(columns, largest[..., None, :], axis=-2)

@@ -4,20 +4,19 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Record, UInt8, __version__, check
+from chromanoise.base import Array, InputError, Record, UInt8, __version__, check, from_above
 from chromanoise.charts import (
-    MOST_ON_CARD,
     PARTS,
     SECTIONS,
     Section,
     Shown,
     as_data,
     at_level,
-    card_of,
     channels_table,
     chart_csv,
     color_table,
@@ -356,10 +355,17 @@ def study_report(of: Shown, sights: Sequence[Sight] = (), *, work: Work | None =
 
 
 def _card(of: Shown, work: Work | None) -> str:
-    """The card as a data URL, A4 landscape; empty if there are more sensors than it holds."""
-    if len(of.operating_points) > MOST_ON_CARD:
+    """The card as a data URL, A4 landscape.
+
+    Empty if there are more sensors than it holds, or nothing that draws it.
+    """
+    if find_spec("matplotlib") is None:
         return ""
-    return data_address(card_of(of, paper="a4", work=work).content("svg"), "image/svg+xml")
+    figures = from_above("figures")
+    if len(of.operating_points) > figures.MOST_ON_CARD:
+        return ""
+    card = figures.card_of(of, paper="a4", work=work)
+    return data_address(card.content("svg"), "image/svg+xml")
 
 
 def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]:

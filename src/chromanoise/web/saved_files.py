@@ -6,10 +6,9 @@ from contextlib import chdir, contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
-from chromanoise.base import InputError
+from chromanoise.base import InputError, from_above
 from chromanoise.charts import (
     Shown,
-    card_of,
     shown,
 )
 from chromanoise.imaging import Work
@@ -68,7 +67,7 @@ def card_reply(studies: Studies, question: Mapping[str, Any], folder: Path) -> t
     """
 
     def card(of: Shown) -> bytes:
-        return card_of(of, work=Work(threads=1)).content("pdf")
+        return from_above("figures").card_of(of, work=Work(threads=1)).content("pdf")
 
     return _made_in(studies, question, folder, card)
 
