@@ -11,5 +11,7 @@ export default [
     linterOptions: { reportUnusedDisableDirectives: "error" },
     rules: { eqeqeq: "error", "no-var": "error", "prefer-const": "error" },
   },
-  { files: ["src/**/*.js"], languageOptions: { globals: globals.browser } },
+  { files: ["src/**/*.js", "web/page.js"], languageOptions: { globals: globals.browser } },
+  { files: ["web/{worker,interpreter}.js"], languageOptions: { globals: globals.worker } },
+  { files: ["web/*.mjs"], languageOptions: { globals: globals.node } },
 ];

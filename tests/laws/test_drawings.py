@@ -223,7 +223,7 @@ def test_charts_have_the_numbers_of_a_run(clip):
         assert_kinds_are_those_of(own, stages[i])
         # by the cubature of charts, which has fewer points
         spread = own["gray_noise"]["sd_normal_law"]
-        assert stages[i]["noise in CIELAB"] == pytest.approx(spread, rel=0.02)
+        assert stages[i]["noise in CIELAB"] == pytest.approx(spread, rel=0.03)
         found = [row[f"{own['name']} color error [Delta E*ab]"] for row in errors]
         assert np.mean(found) == pytest.approx(own["color_error_mean"], rel=1e-12)
     (matrices,) = results.matrices.values()

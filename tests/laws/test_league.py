@@ -343,6 +343,31 @@ def test_a_file_with_the_name_of_a_camera_keeps_its_own_pixel(tmp_path):
     assert (plain.iso[0].read_noise_e, plain.iso[0].visual_noise) == (None, None)
 
 
+def test_a_filter_keeps_the_read_noise_of_each_speed_and_other_peaks_stay_without_a_rank():
+    speeds = (400, 6400)
+    (plain,) = cn.league("nikon-d850", iso=speeds).sensors
+    (behind,) = cn.league("nikon-d850", iso=speeds, filter="ircut-700").sensors
+    assert [at.read_noise_e for at in behind.iso] == [at.read_noise_e for at in plain.iso]
+    (own_peaks,) = cn.league("nikon-d5100", iso=speeds, filter="ircut-700", read_noise_e=3).sensors
+    assert set(own_peaks.ranks) == {"color_error", "smi"}
+    assert all(at.visual_noise is None for at in own_peaks.iso)
+
+
+def test_a_camera_with_a_label_is_not_compared_with_itself():
+    (plain,) = cn.league("nikon-d850", iso=800).sensors
+    (named,) = cn.league("nikon-d850", iso=800, labels=["stock"]).sensors
+    assert (named.name, named.ranks, named.ties) == ("stock", plain.ranks, plain.ties)
+
+
+@pytest.mark.parametrize("alike", [True, False], ids=["alike", "blind"])
+def test_channels_that_are_alike_or_see_no_light_are_refused(alike):
+    given = sensor_named("onyx-rgb")
+    visible = given.grid.wavelength_nm[:, None] <= 780
+    qe = given.qe[:, [0, 1, 1]] if alike else np.where(visible, 0.0, given.qe)
+    with refused_input(subject="mine"):
+        cn.league(replace(given, name="mine", qe=qe), iso=800)
+
+
 def test_a_camera_with_another_pixel_has_this_pixel_at_every_speed():
     (one,) = cn.league("nikon-d850", iso=(400, 6400), read_noise_e=50.0).sensors
     assert [at.read_noise_e for at in one.iso] == [50.0, 50.0]

@@ -55,6 +55,7 @@ inv = partial(_of_finite, np.linalg.inv)
 lstsq = partial(_of_finite, np.linalg.lstsq)
 matrix_rank = partial(_of_finite, np.linalg.matrix_rank)
 pinv = partial(_of_finite, np.linalg.pinv)
+qr = partial(_of_finite, np.linalg.qr)
 solve = partial(_of_finite, np.linalg.solve)
 
 
@@ -68,13 +69,6 @@ def eigh(what: str, s: Array) -> tuple[Array, Array]:
     """
     values, vectors = _of_finite(np.linalg.eigh, what, s)
     return values, vectors if np.iscomplexobj(vectors) else vectors * _signs(vectors)
-
-
-def qr(what: str, a: Float[Array, "n p"], **options: Any) -> tuple[Array, Array]:
-    """Orthonormal columns Q and R with A = Q R, with signs that depend on no library."""
-    q, r = _of_finite(np.linalg.qr, what, a, **options)
-    signs = _signs(q)
-    return q * signs, np.swapaxes(signs, -1, -2) * r
 
 
 def svd(what: str, a: Array, **options: Any) -> Any:

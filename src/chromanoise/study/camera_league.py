@@ -116,7 +116,7 @@ def _ranked(entry: LeagueEntry, cameras: Sequence[LeagueEntry]) -> LeagueEntry:
 
 def _others(entry: LeagueEntry, cameras: Sequence[LeagueEntry], by: Ranked) -> list[LeagueEntry]:
     """The cameras with which an entry is compared."""
-    rest = [one for one in cameras if not (entry.camera and one.name == entry.name)]
+    rest = [one for one in cameras if one.camera != entry.camera]
     return [one for one in rest if not (by.of_heights and one.has_own_peaks)]
 
 

@@ -9,7 +9,7 @@ that of the pixels of one area, so that neither the lens nor the size of the pix
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from math import sqrt
+from math import isfinite, sqrt
 from typing import ClassVar
 
 import numpy as np
@@ -45,7 +45,7 @@ from chromanoise.spectra import (
     illuminant_named,
     on_grid,
 )
-from chromanoise.spectra.tables import CameraFacts, camera_facts, packaged_table
+from chromanoise.spectra.tables import OWN_PEAKS, CameraFacts, camera_facts, packaged_table
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.cameras import AT_THE_SENSOR, GRAY_LUX_S, camera_pixel
 from chromanoise.study.catalog import assumptions, is_assumed, sensor_named
@@ -271,18 +271,26 @@ def _of_filters(sensor: Sensor) -> tuple[ColorMatrix, dict[str, float]]:
         converter=UNKNOWN_CONVERTER,
     )
     dim = OperatingPoint(sensor=quiet, exposure=AT_THE_SENSOR, illuminant=_light(), level_lux=1.0)
-    point = replace(dim, level_lux=SATURATION_E / float(electrons_at(dim).max()))
+    most_e = float(electrons_at(dim).max())
+    if most_e == 0:
+        need = f"must see light at {GRID.wavelength_nm[0]:g} to {GRID.wavelength_nm[-1]:g} nm"
+        raise InputError(sensor.label, need, value=most_e, found="sees none", remedy="leave it out")
+    point = replace(dim, level_lux=SATURATION_E / most_e)
     seen = (quiet, point.exposure, _training())
     matrix = white_preserving(*seen, level_lux=point.level_lux)
     raw = with_noise(electrons_at(point), quiet, point.exposure)
     error = training_color_error(*seen, matrix, level_lux=point.level_lux)
     if error is None:
         raise InputError(sensor.name, "must have X, Y and Z of a white above 0", value=None)
+    bits = distinguishable_colors_bits(_blocks_e(point), read_noise_e=0.0)
+    if not isfinite(bits):
+        need = "must have channels that tell three colors apart"
+        raise InputError(sensor.label, need, value=bits, found="has none", remedy="leave it out")
     return matrix, {
         "color_snr_loss_db": float(color_snr_loss_db(raw, colored(raw, matrix))),
         "color_error": error,
         "smi": sensor_metamerism(quiet).index,
-        "colors_bits": distinguishable_colors_bits(_blocks_e(point), read_noise_e=0.0),
+        "colors_bits": bits,
     }
 
 
@@ -395,18 +403,22 @@ def entry_of(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
     InputError
         If it has fewer than 3 channels, lacks these wavelengths, or a white has no X, Y or Z.
     """
-    cut = _on_grid(sensor)
-    (matrix, numbers), facts = _of_filters(cut), _facts_of(sensor)
-    if facts is None:
+    cut, facts = _on_grid(sensor), _facts_of(sensor)
+    matrix, numbers = _of_filters(cut)
+    has_own_peaks = any(OWN_PEAKS in note for note in sensor.notes)
+    if has_own_peaks:
+        rows = [AtIso(iso=iso, read_noise_e=None) for iso in speeds]
+    elif facts is None:
         known = not is_assumed(sensor, "read_noise_e")
         rows = [_at_iso(point_at_iso(cut, iso), iso, matrix, known=known) for iso in speeds]
     else:
         rows = [_of_camera(cut, iso, matrix, facts) for iso in speeds]
     unused = () if facts is None else assumptions(sensor)  # of one ISO speed alone
+    is_listed = facts is not None and np.array_equal(sensor.qe, _listed(facts, sensor.grid).qe)
     return LeagueEntry(
         name=sensor.label,
-        camera="" if facts is None else facts.camera,
-        has_own_peaks=facts is not None and facts.has_own_peaks,
+        camera=facts.camera if facts is not None and is_listed else "",
+        has_own_peaks=has_own_peaks,
         **numbers,
         iso=tuple(rows),
         notes=tuple(note for note in sensor.notes if note not in unused),
@@ -416,22 +428,21 @@ def entry_of(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
 
 
 def _facts_of(sensor: Sensor) -> CameraFacts | None:
-    """The facts of a camera as it is in the catalog; of no other sensor of its name."""
-    facts = camera_facts().get(sensor.name)
-    if facts is None:
+    """The facts of a camera with the pixel of the catalog, perhaps behind filters."""
+    facts = camera_facts().get(sensor.name.partition("+")[0])
+    if facts is None or sensor.pixel != _listed(facts, sensor.grid).pixel:
         return None
-    listed = sensor_named(sensor.name, sensor.grid)
-    return facts if _same(sensor, listed) else None
+    return facts
 
 
-def _same(one: Sensor, other: Sensor) -> bool:
-    return one.pixel == other.pixel and np.array_equal(one.qe, other.qe)
+def _listed(facts: CameraFacts, grid: Grid) -> Sensor:
+    return sensor_named(facts.name, grid)
 
 
 def _of_camera(sensor: Sensor, iso: float, matrix: ColorMatrix, facts: CameraFacts) -> AtIso:
-    if iso < facts.base_iso or facts.has_own_peaks:
+    if iso < facts.base_iso:
         return AtIso(iso=iso, read_noise_e=None)
-    pixel = camera_pixel(sensor, iso)
+    pixel = camera_pixel(_listed(facts, sensor.grid), iso)  # a filter changes no pixel
     there = replace(sensor, pixel=replace(sensor.pixel, **pixel.known))
     known = pixel.read_noise_e is not None
     return _at_iso(point_at_iso(there, iso), iso, matrix, known=known)

@@ -241,25 +241,30 @@ export function showTable(panel, open) {
  * @param {Panel} panel
  */
 function sortedTable({ head, rows }, { title, sorting }) {
-  const heads = head.map((text, i) => sortable(sorting, String(i), text));
-  if (!sorting) return tableOf({ head, rows }, title, heads);
-  const texts = rows.map((row) => row[Number(sorting.key)]);
-  const numbers = texts.map((text) => numberIn(text));
-  const values = numbers.every((number, i) => number !== null || !texts[i].trim()) ? numbers : texts;
+  const heads = head.map((text) => sortable(sorting, text, text));
+  const k = sorting ? head.indexOf(sorting.key) : -1;
+  if (!sorting || k < 0) return tableOf({ head, rows }, title, heads);
+  const texts = rows.map((row) => (row[k].trim() === NONE ? "" : row[k]));
+  const numbers = texts.map(numberIn);
+  const are_numbers = numbers.every((number, i) => number !== null || !texts[i].trim());
+  const values = are_numbers ? numbers : texts.map((text) => text || null);
   return tableOf({ head, rows: places(values, sorting.up).map((i) => rows[i]) }, title, heads);
 }
 
+/** What a table has in place of a number. */
+const NONE = "\u2013";
+
 /**
- * The number of a cell, which may have a sign of typography; null without one.
+ * The number of a cell, which may have signs of typography; null without one.
  *
  * @param {string} text
  */
 function numberIn(text) {
-  const number = Number.parseFloat(text.replace("\u2212", "-"));
+  const number = Number.parseFloat(text.replaceAll("\u2212", "-"));
   return Number.isNaN(number) ? null : number;
 }
 
-const OPENS = "Open this sensor in the controls";
+const OPENS = "Add it to the sensors, or go to it there";
 
 /** Names that open a sensor; the page tells them when it knows the catalog. */
 /** @type {Set<string>} */

@@ -1,6 +1,7 @@
 /** Controls of the sensors: one or more, each with all that a study says of it. */
 
-import { attribute, brief, button, choice, drawer, el, fillChoice, reveal, say, square } from "app/dom.js";
+import { tell } from "app/copy.js";
+import { attribute, brief, button, byId, choice, drawer, el, fillChoice, reveal, say, square } from "app/dom.js";
 import { countSet, fieldGroups } from "app/fields.js";
 import { most } from "app/paths.js";
 import { setSheet } from "app/sheet.js";
@@ -68,14 +69,15 @@ function addSensor(choices) {
  */
 export function openSensor(name) {
   const at = () => current().study.sensors.findIndex((one) => one.name === name);
-  if (at() < 0 && current().study.sensors.length < most.sensors)
-    changeStudy(({ sensors }) => sensors.push({ name }));
-  const i = at() < 0 ? most.sensors - 1 : at();
+  if (at() < 0 && current().study.sensors.length >= most.sensors)
+    return tell(byId("copied"), `Limit: ${most.sensors} sensors. Remove one to add ${name}.`);
+  if (at() < 0) changeStudy(({ sensors }) => sensors.push({ name }));
   setSheet(true);
-  if (at() >= 0) reveal(`sensors.${i}.pixel`);
-  const card = document.querySelector(`[data-where="sensors.${i}"]`);
+  reveal(`sensors.${at()}.pixel`);
+  const card = document.querySelector(`[data-where="sensors.${at()}"]`);
   card?.scrollIntoView({ block: "center" });
   if (card instanceof HTMLElement) card.focus();
+  return undefined;
 }
 
 /**
