@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # kept bytecode: else every process that a test starts compiles all sources again
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: demo test lowest lint lint-python lint-js bench docs docs-pictures linkcheck evidence reconstruct format size clean clean-kernels
+.PHONY: demo test web web-test lowest lint lint-python lint-js bench docs docs-pictures linkcheck evidence reconstruct format size clean clean-kernels
 
 demo: $(VENV)/.installed
 	$(BIN)/chromanoise demo
@@ -35,6 +35,13 @@ evidence: $(VENV)/.dev
 
 size: $(VENV)/.dev
 	$(BIN)/python tools/size.py
+
+# the page as one HTML file, and as a folder for any host: web/README.md
+web: $(VENV)/.dev
+	$(BIN)/python web/build.py
+
+web-test: $(VENV)/.dev
+	$(BIN)/python -m pytest -m "evidence or not evidence" tests/offline
 
 lint: lint-python lint-js
 
@@ -63,10 +70,14 @@ bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/imaging.py --write
 	$(BIN)/python benchmarks/startup.py --write
 	$(BIN)/python benchmarks/page.py --write
+	$(BIN)/python benchmarks/web_file.py --write
 
 # the site: warnings are errors; a second build reads only what changed
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -j 2 -b html -d out/doctrees docs out/site
+	@if test -d out/web/site; then rm -rf out/site/try && cp -r out/web/site out/site/try \
+	    && cp out/web/chromanoise.html out/site/try && cd out/site/try \
+	    && sha256sum chromanoise.html > chromanoise.html.sha256; fi
 	@echo "The site is in out/site/index.html."
 
 # the committed pictures and tables of README and docs

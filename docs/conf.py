@@ -86,3 +86,9 @@ html_theme_options = {"navigation_with_keys": True}
 linkcheck_ignore = [r"http://127\.0\.0\.1.*", r"http://localhost.*"]
 linkcheck_timeout = 20
 warnings.filterwarnings("ignore", category=DeprecationWarning, module="jupyter_.*")
+
+
+def setup(app):
+    """The start page has links to the page as one file, where that was built first."""
+    if (HERE.parent / "out" / "web" / "site").is_dir():
+        app.tags.add("web")

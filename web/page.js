@@ -193,4 +193,29 @@ globalThis.fetch = async (address, options = {}) => {
   });
 };
 
+/** What the foot of the page says of this copy. */
+function foot() {
+  const place = document.querySelector("footer.foot");
+  const show = async () => {
+    const packed = inside("licenses.txt") ? part("licenses.txt") : await elsewhere("licenses.txt.gz").then((reply) => reply.blob());
+    const text = await new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).text();
+    const shown = document.createElement("pre");
+    shown.className = "licenses";
+    shown.textContent = text;
+    button.replaceWith(shown);
+  };
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "link";
+  button.textContent = "Licenses of everything inside";
+  button.addEventListener("click", show);
+  place?.append(
+    " This page computes in your browser: your files stay on this computer. To check, disconnect the network; it goes on. " +
+      "The noise of its pictures is that of the installed program. ",
+    button,
+  );
+}
+
+if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", foot);
+else foot();
 begin();
