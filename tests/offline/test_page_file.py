@@ -19,6 +19,9 @@ from chromanoise.web.services import STUDY
 from offline.firefox import firefox
 from offline.golden import differences, question, studies
 from served_page import chromium_path
+from shells.test_page_looks import axe, faults_of_access
+
+__all__ = ["axe"]
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "out" / "web"
@@ -202,10 +205,27 @@ def test_a_slider_a_dropped_file_a_table_and_the_tour_work(opened, site, native,
     page.locator("#bring input[type=file]").set_input_files(file)
     page.get_by_text("mine.csv").first.wait_for()
 
-    page.locator("section[data-part=map]").scroll_into_view_if_needed()
-    page.locator("section[data-part=map] svg").first.wait_for()
+    heat_map = page.locator("section[data-part=map]")
+    heat_map.scroll_into_view_if_needed()
+    heat_map.get_by_label("Across", exact=True).select_option(label="illuminance")
+    heat_map.get_by_label("Up", exact=True).select_option(label="read noise")
+    heat_map.locator("svg").first.wait_for()
+
     page.locator("#tour").click()
-    page.locator("#story").get_by_role("heading").first.wait_for()
+    story = page.locator("#story")
+    for _ in range(4):
+        story.get_by_role("button", name="Next").click()
+        page.wait_for_timeout(1000)
+    story.get_by_role("button", name="End tour").click()
+    story.wait_for(state="hidden")
+
+
+def test_no_rule_of_accessibility_is_broken(opened, axe):
+    page = opened(FILE.as_uri())
+    page.locator(
+        "section[data-part=picture] canvas, section[data-part=picture] img"
+    ).first.wait_for()
+    assert faults_of_access(page, axe) == []
 
 
 def test_an_old_browser_gets_one_sentence(opened):

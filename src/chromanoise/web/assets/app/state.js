@@ -133,7 +133,7 @@ export function startFrom(study) {
 
 /** The whole address of the state now. */
 export function link() {
-  return `${location.origin}${location.pathname}#${encoded(state)}`;
+  return `${location.href.split("#")[0]}#${encoded(state)}`;
 }
 
 /**
