@@ -87,8 +87,21 @@ linkcheck_ignore = [r"http://127\.0\.0\.1.*", r"http://localhost.*"]
 linkcheck_timeout = 20
 warnings.filterwarnings("ignore", category=DeprecationWarning, module="jupyter_.*")
 
+TRY = """
+```{raw} html
+<p><a href="try/index.html"><strong>Try it now</strong></a>: the page in your browser, without
+installation; your files stay on your computer. <a href="try/chromanoise.html" download>Download the
+page</a> as one file that opens from a disk (<a href="try/chromanoise.html.sha256">sha256</a>).</p>
+```
+"""
+
+
+def with_links_to_the_page(app, name, source):
+    """The start page has links to the page as one file, where that was built first."""
+    if name == "index" and (HERE.parent / "out" / "web" / "site").is_dir():
+        source[0] = source[0].replace("<!-- try it now -->", TRY)
+
 
 def setup(app):
-    """The start page has links to the page as one file, where that was built first."""
-    if (HERE.parent / "out" / "web" / "site").is_dir():
-        app.tags.add("web")
+    """Add what this site does beyond Sphinx."""
+    app.connect("source-read", with_links_to_the_page)

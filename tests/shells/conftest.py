@@ -64,7 +64,7 @@ def no_sliders(monkeypatch):
 @pytest.fixture
 def plain_report(no_sliders, monkeypatch):
     """Reports of this process have no card either."""
-    monkeypatch.setattr("chromanoise.web.report_of_study.MOST_ON_CARD", 0)
+    monkeypatch.setattr("chromanoise.web.report_of_study._card", lambda of, work: "")
 
 
 _MODULES = {

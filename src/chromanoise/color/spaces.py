@@ -12,6 +12,7 @@ Color differences are between balanced colors, for which white is X = Y = Z = 1.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -125,16 +126,16 @@ def ciede2000_difference(
     tilt_deg = 60 * np.exp(-(((hue - 275) / 25) ** 2))
     blue = -2 * _toward_one(chroma) * np.sin(np.radians(tilt_deg))
     squares = of_lightness**2 + of_chroma**2 + of_hue**2 + blue * of_chroma * of_hue
-    return np.sqrt(squares)
+    return np.asarray(np.sqrt(squares))
 
 
-def _toward_one(chroma: Array) -> Array:
+def _toward_one(chroma: Any) -> Any:
     """Near 1 for a chroma far above 25."""
     seventh = chroma**7
     return np.sqrt(seventh / (seventh + 25.0**7))
 
 
-def _cos_deg(angle_deg: Array) -> Array:
+def _cos_deg(angle_deg: Any) -> Any:
     return np.cos(np.radians(angle_deg))
 
 
