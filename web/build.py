@@ -81,7 +81,7 @@ def main() -> None:
     parts = {name: packed(WORK / name) for name in ("app.wasm", "rest.zip", "licenses.txt")}
     site(parts)
     single(parts)
-    for path in (OUT / "chromanoise.html", *(OUT / "site" / f"{name}.gz" for name in parts)):
+    for path in (OUT / "chromanoise.html", *(OUT / "site" / f"{name}.bin" for name in parts)):
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1e6:.1f} MB, sha256 {digest}")
     print(f"built in {time.monotonic() - began:.0f} s")
@@ -249,6 +249,13 @@ def bundled(entry: Path, **aliases: Path) -> str:
     return done([ESBUILD, entry, *options, *names], cwd=HERE).replace("</script", "<\\/script")
 
 
+INERT = (
+    '<p id="inert">If nothing else appears here, the place that this page comes from forbids its '
+    "scripts: save it as a file, and open that.</p>"
+)
+"""What the script of the page takes away at once."""
+
+
 def prepared() -> str:
     """What the page asks once, computed while it was built."""
     names = ("choices", "story", "explanations")
@@ -262,24 +269,30 @@ _SERVED = re.compile(
 
 
 def site(parts: Mapping[str, bytes]) -> None:
-    """The static folder, for any host."""
+    """The static folder, for any host; nothing in it stands in the document itself."""
     folder = OUT / "site"
     shutil.rmtree(folder, ignore_errors=True)
     for name, content in page_files():
         path = folder / "assets" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
+    assets = folder / "assets"
     for name, content in parts.items():
-        (folder / f"{name}.gz").write_bytes(content)
-    (folder / "worker.js").write_text(bundled(HERE / "worker.js"), encoding="utf-8")
-    (folder / "page.js").write_text(bundled(HERE / "page.js"), encoding="utf-8")
+        # not .gz: some servers would send these as what is inside
+        (folder / f"{name}.bin").write_bytes(content)
+    scripts = {
+        "app.js": bundled(assets / "app" / "main.js", app=assets / "app", draw=assets / "draw"),
+        "page.js": bundled(HERE / "page.js"),
+        "worker.js": bundled(HERE / "worker.js"),
+    }
+    for name, text in scripts.items():
+        (folder / name).write_text(text, encoding="utf-8")
     (folder / "prepared.json").write_text(prepared(), encoding="utf-8")
-    (folder / "assets" / "index.html").unlink()
+    for path in (assets / "index.html", *assets.glob("*/*.js")):
+        path.unlink()
     html = page_html(lambda path: f"./assets/{path}")
-    scripts = _SERVED.search(html)
-    assert scripts
-    first = '<script src="./page.js"></script>\n'
-    html = html.replace(scripts[0], first + scripts[0])
+    html = _SERVED.sub('<script src="./page.js"></script>', html)
+    html = html.replace("</body>", f'{INERT}<script src="./app.js"></script></body>')
     (folder / "index.html").write_text(html, encoding="utf-8")
 
 
@@ -303,18 +316,17 @@ def single(parts: Mapping[str, bytes]) -> None:
         html,
     )
     html = _SERVED.sub("", html)
-    assets = OUT / "site" / "assets"
-    app = bundled(assets / "app" / "main.js", app=assets / "app", draw=assets / "draw")
     inside = {
         "worker": (OUT / "site" / "worker.js").read_text(encoding="utf-8"),
         "prepared": prepared().replace("</", "<\\/"),
         **{name: in_text(content) for name, content in parts.items()},
     }
     scripts = [f'<script type="text/plain" id="inside-{n}">{t}</script>' for n, t in inside.items()]
-    host = (OUT / "site" / "page.js").read_text(encoding="utf-8")
-    scripts += [f"<script>{text}</script>" for text in (host, app)]
+    for name in ("page.js", "app.js"):
+        text = (OUT / "site" / name).read_text(encoding="utf-8")
+        scripts.append(f"<script>{text}</script>")
     before, body, after = html.rpartition("</body>")
-    whole = before + "\n".join(scripts) + body + after
+    whole = before + INERT + "\n".join(scripts) + body + after
     (OUT / "chromanoise.html").write_text(whole, encoding="utf-8")
 
 

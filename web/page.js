@@ -5,8 +5,11 @@
  */
 
 const ASKED = "/api/";
+const UPLOAD = "/api/upload";
 const MODULE = "app.wasm";
 const LIBRARY = "rest.zip";
+const FORBIDS =
+  "The place that this page comes from forbids it to run WebAssembly. Save chromanoise.html as a file, and open that.";
 const OLD =
   "This browser cannot run the program: it needs WebAssembly with exceptions (Chrome or Edge 137, Firefox 131, " +
   "Safari 18.4 or newer). Update it, or install chromanoise.";
@@ -20,9 +23,9 @@ const PROBE = new Uint8Array([
   ...[10, 15, 1, 13, 0, 2, 0x69, 0x1f, 0x40, 1, 3, 0, 0x0b, 0x00, 0x0b, 0x1a, 0x0b],
 ]);
 
-/** Questions that take seconds; they wait until nobody asks anything else. */
+/** Questions that take seconds have an interpreter of their own, which ends when it rests. */
 const SLOW = new Set(["picture", "report", "card"]);
-const REST_MS = 250;
+const REST_MS = 5000;
 
 /**
  * @typedef {object} Question
@@ -32,35 +35,129 @@ const REST_MS = 250;
  * @property {string} file_name
  * @property {(reply: Response) => void} done
  */
-/** Not yet in the worker, which answers one after the other. */
-/** @type {Question[]} */
-let queue = [];
-/** @type {Question | null} */
-let asked = null;
-let ready = false;
-let latest = -Infinity;
-/** @type {number | undefined} */
-let pause;
 
-function next() {
-  clearTimeout(pause);
-  if (!ready || asked || !queue.length) return;
-  const quick = queue.findIndex(({ path }) => !SLOW.has(path.slice(ASKED.length)));
-  const rest = latest + REST_MS - performance.now();
-  if (quick < 0 && rest > 0) {
-    pause = setTimeout(next, rest);
-    return;
+/** What was dropped: each new interpreter gets it first. */
+/** @type {Pick<Question, "path" | "body" | "file_name">[]} */
+const dropped = [];
+
+/** One interpreter, which answers one question after the other. */
+class Lane {
+  /** @type {Question[]} */
+  #queue = [];
+  /** @type {Question | null} */
+  #asked = null;
+  #ready = false;
+  #given = 0;
+
+  /**
+   * @param {object} start what the worker begins with
+   * @param {{ started?: (parts: object) => void, rested?: () => void, progress?: (now: any) => void }} tells
+   */
+  constructor(start, tells) {
+    this.tells = tells;
+    this.worker = workerOfPage();
+    this.worker.onmessage = ({ data }) => this.#told(data);
+    this.worker.onerror = (event) => give(`The program could not start (${event.message || "its worker was refused"}).`);
+    this.worker.postMessage(start);
   }
-  [asked] = queue.splice(Math.max(quick, 0), 1);
-  const { id, path, body, file_name } = asked;
-  worker?.postMessage({ id, path, body, file_name });
+
+  get rests() {
+    return !this.#asked && !this.#queue.length;
+  }
+
+  /** @param {Question} question */
+  ask(question) {
+    this.#queue.push(question);
+    this.#next();
+  }
+
+  /** @param {number} id of a question that nobody waits for any more */
+  forget(id) {
+    this.#queue = this.#queue.filter((question) => question.id !== id);
+  }
+
+  /** @param {string} sentence the reply to all */
+  end(sentence) {
+    for (const question of [this.#asked, ...this.#queue]) question?.done(refused(sentence));
+    this.#queue = [];
+  }
+
+  #next() {
+    if (!this.#ready || this.#asked || !this.#queue.length) return;
+    if (this.#given < dropped.length) {
+      this.#asked = { id: -1, ...dropped[this.#given], done: () => {} };
+      this.#given += 1;
+    } else this.#asked = this.#queue.shift() ?? null;
+    if (!this.#asked) return;
+    const { id, path, body, file_name } = this.#asked;
+    this.worker.postMessage({ id, path, body, file_name });
+  }
+
+  /** @param {any} data */
+  #told(data) {
+    if (data.progress) this.tells.progress?.(data.progress);
+    else if (data.ready) {
+      this.#ready = true;
+      this.tells.started?.(data.parts);
+    } else if (data.id === undefined) give(whyNot(data.failed));
+    else this.#answered(data);
+    this.#next();
+    if (this.#ready && this.rests) this.tells.rested?.();
+  }
+
+  /** @param {any} data */
+  #answered({ failed, status, kind, headers, content }) {
+    const question = this.#asked;
+    this.#asked = null;
+    if (!question) return;
+    if (failed !== undefined) {
+      this.#given = 0; // its next interpreter has nothing yet
+      question.done(refused("The program stopped at this and started again; change it."));
+      return;
+    }
+    if (question.path === UPLOAD && question.id >= 0) {
+      const { path, body, file_name } = question;
+      dropped.push({ path, body, file_name });
+      if (this.#given === dropped.length - 1) this.#given += 1;
+    }
+    question.done(new Response(content, { status, headers: { "Content-Type": kind, ...headers } }));
+  }
 }
 
-/** @type {Worker | null} */
-let worker = null;
 /** What ends every question: why the program does not run. */
 let broken = "";
 let count = 0;
+/** @type {Lane | null} */
+let quick = null;
+/** @type {Lane | null} */
+let slow = null;
+/** @type {number | undefined} */
+let end;
+/** @type {(parts: object) => void} */
+let tellParts = () => {};
+/** @type {Promise<object>} */
+const parts = new Promise((done) => (tellParts = done));
+
+/** @param {object} started */
+function slowLane(started) {
+  clearTimeout(end);
+  const rested = () => {
+    clearTimeout(end);
+    end = setTimeout(() => {
+      if (!slow?.rests) return;
+      slow.worker.terminate();
+      slow = null;
+    }, REST_MS);
+  };
+  slow ??= new Lane({ parts: started }, { rested });
+  return slow;
+}
+
+/** @param {string} failed */
+function whyNot(failed) {
+  if (/unsafe-eval|Content.Security|policy/i.test(failed)) return FORBIDS;
+  return `The program could not start (${failed}).`;
+}
 
 /**
  * The bytes of a part of this file; it is taken out of the document.
@@ -87,44 +184,18 @@ function workerOfPage() {
 
 function filesOfPage() {
   if (inside(MODULE)) return { module: part(MODULE), library: part(LIBRARY) };
-  const at = (/** @type {string} */ name) => new URL(`${name}.gz`, document.baseURI).href;
+  const at = (/** @type {string} */ name) => new URL(`${name}.bin`, document.baseURI).href;
   return { module: at(MODULE), library: at(LIBRARY) };
 }
 
 function begin() {
   if (typeof DecompressionStream === "undefined" || !WebAssembly.validate(PROBE)) return give(OLD);
   try {
-    worker = workerOfPage();
-  } catch (error) {
-    return give(`This place forbids the program to run (${error}); save the page as a file and open that.`);
+    quick = new Lane({ files: filesOfPage() }, { started: (given) => given && tellParts(given), progress });
+  } catch {
+    return give(FORBIDS);
   }
-  worker.onmessage = ({ data }) => told(data);
-  worker.onerror = (event) => give(`The program could not start (${event.message || "its worker was refused"}).`);
-  worker.postMessage({ files: filesOfPage() });
-}
-
-/** @param {any} data */
-function told(data) {
-  if (data.progress) return progress(data.progress);
-  if (data.ready) {
-    ready = true;
-    progress(null);
-  } else if (data.id === undefined) return give(`The program could not start (${data.failed}).`);
-  else {
-    latest = performance.now();
-    const question = asked;
-    asked = null;
-    if (question?.id === data.id) question?.done(replyOf(data));
-  }
-  // what the reply makes the page ask comes first
-  setTimeout(next);
   return undefined;
-}
-
-/** @param {any} data */
-function replyOf({ failed, status, kind, headers, content }) {
-  if (failed !== undefined) return refused("The program stopped at this and started again; change it.");
-  return new Response(content, { status, headers: { "Content-Type": kind, ...headers } });
 }
 
 /** @param {string} sentence */
@@ -141,19 +212,22 @@ function give(sentence) {
     const place = /** @type {HTMLElement} */ (document.getElementById("broken"));
     place.textContent = sentence;
     place.hidden = false;
+    if (loading) /** @type {HTMLElement} */ (document.getElementById("verdict")).textContent = "";
   };
   if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", show);
   else show();
-  for (const question of [...queue, asked]) question?.done(refused(sentence));
-  queue = [];
+  quick?.end(sentence);
+  slow?.end(sentence);
 }
 
-/** @param {{ file: string, come: number, size: number } | null} now */
-function progress(now) {
+let loading = false;
+
+/** @param {{ file: string, come: number }} now */
+function progress({ file, come }) {
   const place = document.getElementById("verdict");
-  if (!place || place.dataset.told === "done") return;
-  if (now === null) place.dataset.told = "done";
-  else if (now.file.includes(MODULE)) place.textContent = `Loading the program: ${(now.come / 1e6).toFixed(0)} MB.`;
+  if (!place || !file.includes(MODULE)) return;
+  loading = true;
+  place.textContent = `Loading the program: ${(come / 1e6).toFixed(0)} MB.`;
 }
 
 /** @type {Promise<Record<string, unknown>> | null} */
@@ -177,19 +251,20 @@ globalThis.fetch = async (address, options = {}) => {
   if (!path.startsWith(ASKED)) return elsewhere(address, options);
   const name = path.slice(ASKED.length);
   if (["choices", "story", "explanations"].includes(name)) return preparedReply(name);
-  if (broken) return refused(broken);
   let body = options.body ?? "";
   if (body instanceof Blob) body = new Uint8Array(await body.arrayBuffer());
   const file_name = decodeURIComponent(new Headers(options.headers).get("X-Filename") ?? "");
+  const lane = SLOW.has(name) && !broken ? slowLane(await parts) : quick;
+  if (broken || !lane) return refused(broken);
   return new Promise((done, failed) => {
     const id = (count += 1);
-    queue.push({ id, path, body, file_name, done });
-    if (!SLOW.has(name)) latest = performance.now();
-    options.signal?.addEventListener("abort", () => {
-      queue = queue.filter((question) => question.id !== id);
+    const forget = () => {
+      lane.forget(id);
       failed(new DOMException("The question is not asked any more.", "AbortError"));
-    });
-    next();
+    };
+    if (options.signal?.aborted) return forget();
+    options.signal?.addEventListener("abort", forget);
+    return lane.ask({ id, path, body, file_name, done });
   });
 };
 
@@ -197,7 +272,7 @@ globalThis.fetch = async (address, options = {}) => {
 function foot() {
   const place = document.querySelector("footer.foot");
   const show = async () => {
-    const packed = inside("licenses.txt") ? part("licenses.txt") : await elsewhere("licenses.txt.gz").then((reply) => reply.blob());
+    const packed = inside("licenses.txt") ? part("licenses.txt") : await elsewhere("licenses.txt.bin").then((reply) => reply.blob());
     const text = await new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).text();
     const shown = document.createElement("pre");
     shown.className = "licenses";
@@ -216,6 +291,8 @@ function foot() {
   );
 }
 
+document.getElementById("inert")?.remove();
+document.documentElement.dataset.place = "file";
 if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", foot);
 else foot();
 begin();

@@ -54,7 +54,7 @@ async function answer({ id, path, body, file_name }) {
   try {
     page.run("answer()");
   } catch (error) {
-    // its memory may be broken: the next question gets another one, without the dropped files
+    // its memory may be broken: the next question gets another one
     interpreter = null;
     throw error;
   }
@@ -71,6 +71,10 @@ self.onmessage = ({ data }) => {
     try {
       if (data.files) {
         await load(data.files);
+        self.postMessage({ ready: true, parts });
+      } else if (data.parts) {
+        parts = data.parts;
+        await begin();
         self.postMessage({ ready: true });
       } else await answer(data);
     } catch (error) {

@@ -233,20 +233,41 @@ def test_an_old_browser_gets_one_sentence(opened):
     page.get_by_text("This browser cannot run the program").first.wait_for()
 
 
-def test_after_a_trap_the_program_starts_again(opened):
-    page = opened(
-        FILE.as_uri(),
-        script="""
-            const Real = window.Worker;
-            window.Worker = class extends Real {
-                constructor(...given) { super(...given); window.theWorker = this; }
-            };
-        """,
-    )
-    page.evaluate("theWorker.postMessage({ id: -1, path: '/api/answer', body: 7 })")
-    level = page.get_by_label("Light level", exact=True)
-    level.press("ArrowUp")
-    page.get_by_text(re.compile(r"^At 1[0-9.]+ lx")).first.wait_for()
+def test_after_a_trap_the_program_starts_again_with_the_dropped_files(opened, tmp_path):
+    page = opened(FILE.as_uri())
+    file = tmp_path / "mine.csv"
+    rows = [f"{nm},{0.3 + 0.1 * (nm > 500)},0.2" for nm in range(400, 1051, 10)]
+    file.write_text("\n".join(["wavelength_nm,QE A,QE B", *rows]))
+    page.locator("#bring input[type=file]").set_input_files(file)
+    page.get_by_role("button", name="Add as a sensor").click()
+    page.locator("#electrons").get_by_text("mine").first.wait_for()
+    ask = "(body) => fetch('/api/answer', { method: 'POST', body }).then((reply) => reply.json())"
+    told = page.evaluate(ask, "[" * 300_000)
+    assert "started again" in told["faults"][0]["sentence"]
+    page.get_by_label("Light level", exact=True).press("ArrowDown")
+    page.get_by_text(re.compile(r"^At 9[0-9.]* lx")).first.wait_for()
+    assert "dropped" not in page.locator("#faults").inner_text()
+
+
+@pytest.mark.parametrize(
+    ("policy", "runs"),
+    [("script-src 'self' 'wasm-unsafe-eval'", True), ("script-src 'self'", False)],
+)
+def test_a_host_that_forbids_webassembly_gets_one_sentence(chromium, site, policy, runs):
+    style = "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
+    page = chromium.new_context().new_page()
+    page.set_default_timeout(LIMIT_MS)
+
+    def with_policy(route):
+        reply = route.fetch()
+        csp = f"default-src 'self'; {policy}; {style}"
+        route.fulfill(response=reply, headers=reply.headers | {"Content-Security-Policy": csp})
+
+    page.route("**/*", with_policy)
+    page.goto(site)
+    wanted = "At 10 lx" if runs else "forbids it to run WebAssembly"
+    page.get_by_text(wanted).first.wait_for()
+    page.context.close()
 
 
 def test_firefox_opens_the_file(tmp_path):

@@ -83,8 +83,8 @@ class Kept:
             raise QuestionError(
                 (
                     "",
-                    "this was a file that somebody dropped, and this server does not have it (any "
-                    "more); drop the file again and use it here",
+                    "this was a file that somebody dropped, and it is not here (any more); drop "
+                    "it again and use it here",
                 )
             )
         return found

@@ -220,7 +220,8 @@ class View {
   #tellSlow() {
     if (this.section.hasAttribute("data-denoising")) return;
     attribute(this.section, "data-making", true);
-    say(this.said, this.#pair ? MAKING : `${MAKING} ${FIRST}`);
+    const compiles = document.documentElement.dataset.place !== "file";
+    say(this.said, this.#pair || !compiles ? MAKING : `${MAKING} ${FIRST}`);
   }
 
   /**
