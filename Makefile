@@ -40,7 +40,7 @@ size: $(VENV)/.dev
 web: $(VENV)/.dev
 	$(BIN)/python web/build.py
 
-web-test: $(VENV)/.dev
+web-test: web
 	$(BIN)/python -m pytest -m "evidence or not evidence" tests/offline
 
 lint: lint-python lint-js

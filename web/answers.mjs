@@ -4,7 +4,7 @@
  *     node answers.mjs APP.WASM REST.ZIP QUESTIONS.json REPLIES.json
  *
  * Questions are a list of {path, body, file_name}; of each reply there are status, kind, headers, the
- * content in base64, the time it took [ms] and the memory after it [bytes].
+ * content in base64, and the time it took [ms].
  */
 
 import fs from "node:fs";
@@ -21,6 +21,6 @@ const replies = JSON.parse(fs.readFileSync(asked, "utf8")).map(({ path, body = "
   interpreter.run("answer()");
   const head = JSON.parse(Buffer.from(interpreter.read("head")).toString());
   const content = Buffer.from(interpreter.read("body")).toString("base64");
-  return { ...head, content, ms: performance.now() - began, bytes: interpreter.memory.length, said: interpreter.said };
+  return { ...head, content, ms: performance.now() - began };
 });
 fs.writeFileSync(out, JSON.stringify(replies));

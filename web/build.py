@@ -21,6 +21,7 @@ from pathlib import Path
 
 import wasm
 
+from chromanoise.web.offline import PREPARED
 from chromanoise.web.requests import asset
 
 HERE = Path(__file__).parent
@@ -249,6 +250,12 @@ def bundled(entry: Path, **aliases: Path) -> str:
     return done([ESBUILD, entry, *options, *names], cwd=HERE).replace("</script", "<\\/script")
 
 
+POLICY = (
+    '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
+    "script-src 'unsafe-inline' 'wasm-unsafe-eval' blob:; worker-src blob:; "
+    "style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'\">"
+)
+"""The one file may ask nobody."""
 INERT = (
     '<p id="inert">If nothing else appears here, the place that this page comes from forbids its '
     "scripts: save it as a file, and open that.</p>"
@@ -258,8 +265,7 @@ INERT = (
 
 def prepared() -> str:
     """What the page asks once, computed while it was built."""
-    names = ("choices", "story", "explanations")
-    return json.dumps({name: json.loads((WORK / f"{name}.json").read_text()) for name in names})
+    return json.dumps({one: json.loads((WORK / f"{one}.json").read_text()) for one in PREPARED})
 
 
 _SERVED = re.compile(
@@ -315,7 +321,9 @@ def single(parts: Mapping[str, bytes]) -> None:
         "data:image/svg+xml;base64," + in_text(asset("favicon.svg") or b""),
         html,
     )
-    html = _SERVED.sub("", html)
+    html = _SERVED.sub("", html).replace(
+        '<meta charset="utf-8">', '<meta charset="utf-8">' + POLICY
+    )
     inside = {
         "worker": (OUT / "site" / "worker.js").read_text(encoding="utf-8"),
         "prepared": prepared().replace("</", "<\\/"),

@@ -209,10 +209,14 @@ function refused(sentence) {
 function give(sentence) {
   broken = sentence;
   const show = () => {
-    const place = /** @type {HTMLElement} */ (document.getElementById("broken"));
-    place.textContent = sentence;
-    place.hidden = false;
     if (loading) /** @type {HTMLElement} */ (document.getElementById("verdict")).textContent = "";
+    if (document.getElementById("unable")) return;
+    const told = document.createElement("p");
+    told.id = "unable";
+    told.className = "notice";
+    told.setAttribute("role", "alert");
+    told.textContent = sentence;
+    document.getElementById("broken")?.before(told);
   };
   if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", show);
   else show();
@@ -222,12 +226,13 @@ function give(sentence) {
 
 let loading = false;
 
-/** @param {{ file: string, come: number }} now */
-function progress({ file, come }) {
+/** @param {{ file: string, come: number, size: number }} now */
+function progress({ file, come, size }) {
   const place = document.getElementById("verdict");
   if (!place || !file.includes(MODULE)) return;
   loading = true;
-  place.textContent = `Loading the program: ${(come / 1e6).toFixed(0)} MB.`;
+  const whole = size ? ` of ${(size / 1e6).toFixed(0)}` : "";
+  place.textContent = `Loading the program: ${(come / 1e6).toFixed(0)}${whole} MB.`;
 }
 
 /** @type {Promise<Record<string, unknown>> | null} */
@@ -236,8 +241,19 @@ let prepared = null;
 /** @param {string} name */
 async function preparedReply(name) {
   const text = inside("prepared");
-  prepared ??= text ? Promise.resolve(JSON.parse(text.textContent ?? "")) : elsewhere("prepared.json").then((reply) => reply.json());
-  return Response.json((await prepared)[name]);
+  prepared ??= text ? Promise.resolve(JSON.parse(text.textContent ?? "")) : fetched("prepared.json");
+  const all = await prepared.catch((error) => {
+    prepared = null;
+    throw error;
+  });
+  return name in all ? Response.json(all[name]) : new Response("{}", { status: 404 });
+}
+
+/** @param {string} name */
+async function fetched(name) {
+  const reply = await elsewhere(name);
+  if (!reply.ok) throw new TypeError(`${name} did not come (status ${reply.status})`);
+  return reply.json();
 }
 
 const elsewhere = globalThis.fetch.bind(globalThis);
@@ -250,7 +266,7 @@ globalThis.fetch = async (address, options = {}) => {
   const path = String(address);
   if (!path.startsWith(ASKED)) return elsewhere(address, options);
   const name = path.slice(ASKED.length);
-  if (["choices", "story", "explanations"].includes(name)) return preparedReply(name);
+  if (!options.method) return preparedReply(name);
   let body = options.body ?? "";
   if (body instanceof Blob) body = new Uint8Array(await body.arrayBuffer());
   const file_name = decodeURIComponent(new Headers(options.headers).get("X-Filename") ?? "");
@@ -283,7 +299,7 @@ function foot() {
   button.type = "button";
   button.className = "link";
   button.textContent = "Licenses of everything inside";
-  button.addEventListener("click", show);
+  button.addEventListener("click", show, { once: true });
   place?.append(
     " This page computes in your browser: your files stay on this computer. To check, disconnect the network; it goes on. " +
       "The noise of its pictures is that of the installed program. ",

@@ -60,7 +60,8 @@ async function answer({ id, path, body, file_name }) {
   }
   const head = JSON.parse(new TextDecoder().decode(page.read("head")));
   const content = page.read("body").slice();
-  self.postMessage({ id, ...head, content, memory_bytes: page.memory.length }, { transfer: [content.buffer] });
+  if (head.status === 500) console.warn(page.said);
+  self.postMessage({ id, ...head, content }, { transfer: [content.buffer] });
 }
 
 /** Questions are answered one after the other. */

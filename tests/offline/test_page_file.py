@@ -230,7 +230,7 @@ def test_no_rule_of_accessibility_is_broken(opened, axe):
 
 def test_an_old_browser_gets_one_sentence(opened):
     page = opened(FILE.as_uri(), script="delete window.DecompressionStream", expect_verdict=False)
-    page.get_by_text("This browser cannot run the program").first.wait_for()
+    page.locator("#unable").get_by_text("This browser cannot run the program").wait_for()
 
 
 def test_after_a_trap_the_program_starts_again_with_the_dropped_files(opened, tmp_path):

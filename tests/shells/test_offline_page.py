@@ -61,6 +61,13 @@ def test_a_question_gets_the_reply_of_the_server(client, path, study):  # noqa: 
     assert told[0] == told[1]
 
 
+@pytest.mark.parametrize("name", ["scene.npy", "Scene.NPZ", "curves.mat", "table.xlsx", "a.tif"])
+def test_a_file_whose_reader_is_not_inside_points_to_the_installed_program(name):
+    (fault,) = json.loads(OfflinePage().reply("/api/upload", b"1", name).content)["faults"]
+    assert fault["where"] == "file"
+    assert "need the installed program" in fault["sentence"]
+
+
 @pytest.mark.parametrize(
     ("path", "body", "status"), [("/api/answer", b"{", 400), ("/api/nothing", b"{}", 404)]
 )

@@ -1,16 +1,16 @@
 """The page without a server: one function from the path and the body of a question to its reply."""
 
-import tempfile
 import traceback
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from chromanoise.web.questions import QuestionError, faults_json
 from chromanoise.web.services import Services
-from chromanoise.web.uploads import Uploads
+from chromanoise.web.uploads import Uploads, label_of
 
 JSON = "application/json"
 ASKED = "/api/"
+ONLY_INSTALLED = (".npz", ".npy", ".tif", ".tiff", ".h5", ".hdf5", ".nc", ".mat", ".xlsx")
+"""Endings of files whose readers need another process, other libraries, or maps of files."""
 PREPARED = ("choices", "story", "explanations")
 """Questions without a body, whose replies depend on nothing."""
 
@@ -80,6 +80,10 @@ class OfflinePage:
         if name == "csv":
             return Reply(content=services.csv(body).encode(), kind="text/csv")
         if name == "upload":
+            label = label_of(file_name)
+            if label.lower().endswith(ONLY_INSTALLED):
+                need = "cubes, MATLAB files and Excel tables need the installed program"
+                raise QuestionError(("file", f"{label}: {need} (pip install chromanoise)"))
             upload = self._uploads.keep(file_name, body)
             return Reply(content=services.previewed(upload).encode())
         if name == "picture":
@@ -87,8 +91,8 @@ class OfflinePage:
             headers = {"X-Chromanoise-Summary": summary}
             return Reply(content=png, kind="image/png", headers=headers)
         if name in ("report", "card"):
-            with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-                content, hashed = getattr(services, name)(body, Path(folder))
+            with self._uploads.empty_folder() as folder:
+                content, hashed = getattr(services, name)(body, folder)
             return Reply(
                 content=content.encode() if isinstance(content, str) else content,
                 kind="text/html" if name == "report" else "application/pdf",
@@ -104,8 +108,9 @@ def _unable(name: str, error: BaseException) -> Reply:
             f"The {name} needs the installed program (pip install chromanoise): this page is "
             f"without {error.name or 'a library'}."
         )
-    what = "is nested too deeply" if isinstance(error, RecursionError) else "needs more memory"
-    return _refused(f"The {name} {what} than this page has.")
+    if isinstance(error, RecursionError):
+        return _refused("The study is nested too deeply.")
+    return _refused(f"The {name} needs more memory than this page has.")
 
 
 def _refused(sentence: str, *, status: int = 200) -> Reply:

@@ -184,7 +184,7 @@ def answered(
     Parameters
     ----------
     services
-        The services that computes.
+        The services that compute.
     name, given
         One of its methods, and the arguments.
     kept
