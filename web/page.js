@@ -220,6 +220,7 @@ function give(sentence) {
   };
   if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", show);
   else show();
+  tellParts({}); // whoever waits for them gets the sentence
   quick?.end(sentence);
   slow?.end(sentence);
 }
@@ -270,8 +271,9 @@ globalThis.fetch = async (address, options = {}) => {
   let body = options.body ?? "";
   if (body instanceof Blob) body = new Uint8Array(await body.arrayBuffer());
   const file_name = decodeURIComponent(new Headers(options.headers).get("X-Filename") ?? "");
-  const lane = SLOW.has(name) && !broken ? slowLane(await parts) : quick;
-  if (broken || !lane) return refused(broken);
+  const started = SLOW.has(name) ? await parts : null;
+  if (broken || !quick) return refused(broken);
+  const lane = started ? slowLane(started) : quick;
   return new Promise((done, failed) => {
     const id = (count += 1);
     const forget = () => {
@@ -301,8 +303,8 @@ function foot() {
   button.textContent = "Licenses of everything inside";
   button.addEventListener("click", show, { once: true });
   place?.append(
-    " This page computes in your browser: your files stay on this computer. To check, disconnect the network; it goes on. " +
-      "The noise of its pictures is that of the installed program. ",
+    " This page computes in your browser, so your files stay on this computer: it works without a network, too. " +
+      "Its pictures have the same noise as those of the installed program. ",
     button,
   );
 }

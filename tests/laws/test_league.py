@@ -221,20 +221,13 @@ def test_ranks_count_the_better_cameras_and_ties_those_within_the_spread(
     assert set(standings[name].ties[by]) == ties
 
 
-def test_the_sentence_of_a_sensor_counts_the_cameras_that_are_surely_worse(standings):
-    (one,) = cn.league("nikon-d850", iso=800).sensors
-    loss, error = (getattr(one, ranked.name) for ranked in RANKED[:2])
-    others = [x for x in standings.values() if x.name != one.name]
-    worse = [
-        sum(x.color_snr_loss_db >= loss + 0.16 for x in others if x.name not in OWN_PEAKS),
-        sum(x.color_error >= error + 0.34 for x in others),
-    ]
+def test_the_sentence_of_a_sensor_counts_the_cameras_beyond_a_tie():
+    """Loss 2.96 and color error 2.51, counted by hand in the sorted tables."""
     (sentence,) = cn.league("nikon-d850", iso=800).sentences
-    assert [int(x) for x in re.findall(r"lower than (\d+)", sentence)] == worse
     told = re.findall(
         r"lower than (\d+), tied with (\d+), higher than (\d+) of (\d+) other", sentence
     )
-    assert [sum(map(int, one[:3])) for one in told] == [int(one[3]) for one in told] == [49, 51]
+    assert [tuple(map(int, one)) for one in told] == [(41, 4, 4, 49), (8, 20, 23, 51)]
 
 
 def test_a_camera_of_ones_own_has_the_numbers_and_the_place_of_that_camera(standings):
@@ -373,15 +366,20 @@ def test_a_camera_with_another_pixel_has_this_pixel_at_every_speed():
     assert [at.read_noise_e for at in one.iso] == [50.0, 50.0]
 
 
-def test_relative_and_short_curves_take_part_with_their_answers(tmp_path):
-    path = tmp_path / "short.csv"
-    rows = [
-        f"{nm},{(nm > 590) / 2},{(500 < nm < 590) / 1},{(nm < 500) / 3}"
-        for nm in range(400, 701, 10)
-    ]
-    path.write_text("\n".join(["wavelength_nm,R,G,B", *rows]))
-    (one,) = cn.league(path, iso=800, peak_qe=0.5, beyond="zero", level="relative").sensors
-    assert one.color_error > 0
+def test_short_curves_are_those_that_end_in_zeros(tmp_path):
+    entries = []
+    for name, last in (("short", 700), ("long", 1050)):
+        rows = [
+            f"{nm},{0.5 * (590 < nm <= 700)},{1.0 * (500 < nm < 590)},{(nm < 500) / 3}"
+            for nm in range(400, last + 1, 5)
+        ]
+        (tmp_path / f"{name}.csv").write_text("\n".join(["wavelength_nm,R,G,B", *rows]))
+        given = {"peak_qe": 0.5, "level": "relative"}
+        given |= {"beyond": "zero"} if name == "short" else {}
+        entries += cn.league(tmp_path / f"{name}.csv", iso=800, **given).sensors
+    for ranked in RANKED:
+        short, long = (getattr(one, ranked.name) for one in entries)
+        assert short == pytest.approx(long, rel=1e-9)
 
 
 def test_settings_without_a_sensor_are_refused():

@@ -32,12 +32,12 @@ _MOST_FAULTS = 100  # in one answer
 
 
 def faults_json(faults: Iterable[tuple[str, str]]) -> str:
-    """Faults as every reply tells them, in ASCII: unpaired surrogates cannot be sent otherwise.
+    """The JSON of faults in each reply, in ASCII, because UTF-8 has no unpaired surrogates.
 
     Parameters
     ----------
     faults
-        Pairs of where and sentence, of which the first 100 are told.
+        Pairs of place and sentence; those after the first 100 are left out.
     """
     told = [
         {"where": where[:_LONGEST_SENTENCE], "sentence": sentence[:_LONGEST_SENTENCE]}

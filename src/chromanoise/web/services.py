@@ -46,7 +46,7 @@ class Services:
         self._story: str | None = None
 
     def choices(self, has_front: bool = False) -> str:
-        """The JSON of ``/api/choices``; ``has_front`` tells whether ``/api/front`` has one."""
+        """The JSON of ``/api/choices``; ``has_front``: whether ``/api/front`` has a front."""
         served = {"study": self._study, "front": has_front}
         return json.dumps(choices() | served, allow_nan=False)
 

@@ -83,8 +83,7 @@ class Kept:
             raise QuestionError(
                 (
                     "",
-                    "this was a file that somebody dropped, and it is not here (any more); drop "
-                    "it again and use it here",
+                    "this file was dropped earlier and is not available any more; drop it again",
                 )
             )
         return found

@@ -10,7 +10,7 @@ from typing import no_type_check
 
 import numpy as np
 
-from chromanoise.imaging.denoising.guided_plain import LEAST_VARIANCE
+from chromanoise.imaging.denoising.guided_plain import LEAST_E2, LEAST_VARIANCE
 from chromanoise.imaging.kernel_cache import kernel
 
 _LANES = 32
@@ -142,7 +142,7 @@ def _whitened(moments, number, noise, share, mean, unit, power):
         for lane in range(_LANES):
             m = moments[a, lane]
             variance = _variance(noise, a, m) * share[lane]
-            variance = max(variance, LEAST_VARIANCE * moments[square, lane]) + 1e-30
+            variance = max(variance, LEAST_VARIANCE * moments[square, lane]) + LEAST_E2
             mean[a, lane] = m
             unit[a, lane] = np.sqrt(variance)
         for b in range(a + 1):
@@ -312,7 +312,7 @@ def fuse(fine, coarse, own, active, noise, row_share, column_share, narrow, wide
                 variance = _variance(noise, a, light) * row_share[y] * column_share[x]
                 variance = max(variance, LEAST_VARIANCE * light * light)
                 change = np.float64(coarse[a, y, x]) - np.float64(own[a, y, x])
-                apart += change * change / (p * (variance + 1e-30))
+                apart += change * change / (p * (variance + LEAST_E2))
             gate = narrow + (wide - narrow) * (1.0 - active[y, x])
             # one factor for all planes: the change keeps its color
             factor = _F(1.0 / (1.0 + apart / (gate * gate)))

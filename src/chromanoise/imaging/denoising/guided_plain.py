@@ -9,7 +9,7 @@ from chromanoise.base import Array, Float, Float32, eigh
 
 LEAST_VARIANCE = 1e-10
 """Least variance of the noise, as a share of the mean square: float32 holds no smaller one."""
-_LEAST_E2 = 1e-30
+LEAST_E2 = 1e-30
 
 
 def add_estimates(
@@ -39,7 +39,7 @@ def add_estimates(
     square = (_windows(products, ends) / number).reshape(p, p, *number.shape)
     light = np.maximum(mean, 0.0)
     variance = _variance(noise, light) * share
-    variance = np.maximum(variance, LEAST_VARIANCE * np.einsum("aayx->ayx", square)) + _LEAST_E2
+    variance = np.maximum(variance, LEAST_VARIANCE * np.einsum("aayx->ayx", square)) + LEAST_E2
     unit = np.sqrt(variance)
     power = (square - mean[:, None] * mean) * (number / np.maximum(number - 1.0, 1.0))
     found, basis = eigh("planes", np.moveaxis(power / (unit[:, None] * unit), (0, 1), (-2, -1)))
@@ -124,7 +124,7 @@ def fuse(
     """As `guided_kernels.fuse`."""
     light = np.maximum(coarse.astype(np.float64), 0.0)
     variance = _variance(noise, light) * (row_share[:, None] * column_share)
-    variance = np.maximum(variance, LEAST_VARIANCE * light * light) + _LEAST_E2
+    variance = np.maximum(variance, LEAST_VARIANCE * light * light) + LEAST_E2
     change = coarse.astype(np.float64) - own
     apart = (change**2 / variance).mean(axis=0)
     gate = narrow + (wide - narrow) * (1.0 - active)

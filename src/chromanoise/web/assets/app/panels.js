@@ -266,7 +266,7 @@ function numberIn(text) {
 
 const OPENS = "Add it to the sensors, or go to it there";
 
-/** Names that open a sensor; the page tells them when it knows the catalog. */
+/** Sensors of the catalog, whose names are buttons in tables; none before the catalog has come. */
 /** @type {Set<string>} */
 let openable = new Set();
 
