@@ -12,6 +12,7 @@ from chromanoise.apps.camera.measure import resumed
 from chromanoise.apps.design import read_front
 from chromanoise.base.errors import InputError
 from chromanoise.base.inputs import MOST_DEPTH, json_file, json_of
+from chromanoise.base.result_json import json_text
 from chromanoise.io.matrix_files import read_matrix
 from chromanoise.io.result_tables import table_from_json
 from chromanoise.io.sensor_files import sensor_from_json, sensor_json
@@ -140,3 +141,36 @@ def test_a_sensor_with_an_unpaired_surrogate_is_refused(key, tmp_path):
     path.write_text(json.dumps(data))
     with refused_input(subject=str(path)):
         resolve_sensor(str(path))
+
+
+@given(
+    st.recursive(
+        st.none()
+        | st.booleans()
+        | st.integers()
+        | st.floats(allow_nan=False, allow_infinity=False)
+        | st.text(max_size=5),
+        lambda one: (
+            st.lists(one, max_size=4) | st.dictionaries(st.text(max_size=4), one, max_size=3)
+        ),
+        max_leaves=20,
+    ),
+    st.sampled_from([1, 2]),
+    st.booleans(),
+)
+def test_indented_text_is_that_of_the_standard_library(data, indent, ensure_ascii):
+    expected = json.dumps(data, indent=indent, ensure_ascii=ensure_ascii) + "\n"
+    assert json_text(data, indent=indent, ensure_ascii=ensure_ascii) == expected
+
+
+def test_no_text_is_made_of_what_is_not_a_number():
+    for data in (float("nan"), [1.0, float("inf")], {"a": [[float("nan")]]}):
+        with pytest.raises(ValueError, match="JSON"):
+            json_text(data)
+
+
+def test_a_file_that_changed_is_read_again(tmp_path):
+    file = tmp_path / "qe.csv"
+    for peak in (0.5, 0.25):
+        file.write_text(f"wavelength_nm,W\n400,0.1\n500,{peak}\n")
+        assert read_curves(file).curves.values.max() == peak

@@ -3,6 +3,7 @@
 import pytest
 
 import chromanoise as cn
+from chromanoise.charts.verdicts import _verdict
 from chromanoise.study.ranking import lead_sentences
 
 FIVE = ("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "onyx-rgbw-ircut", "model-rgb-ircut")
@@ -31,3 +32,28 @@ def test_the_matrices_of_a_sensor_are_ranked_from_best_to_worst():
     assert shown == sorted(shown)
     alone = cn.compare("onyx-rgbw", **settings)
     assert not any(one.startswith("onyx-rgbw: SNR") for one in alone.shown_sentences)
+
+
+def test_of_many_sensors_those_that_lead_and_their_crossovers_are_those_of_all_pairs(monkeypatch):
+    settings = {"points": 5, "vary": "ircut-nm", "first": 600.0, "last": 1200.0}
+    settings |= {"quantity": "visual-noise"}
+    every = cn.compare(*FIVE, **settings)
+    monkeypatch.setattr("chromanoise.study.ranking.MOST_CROSSED_SENSORS", 4)
+    few = cn.compare(*FIVE, **settings)
+    assert few.leads == every.leads
+    assert len(every.leads) > 1
+    assert 0 < len(few.crossovers) < len(every.crossovers) == 10
+    assert few.shown_crossovers == every.shown_crossovers
+    assert few.shown_sentences == every.shown_sentences
+
+
+def test_of_many_sensors_all_have_their_noise_and_few_are_named(monkeypatch):
+    names = (*FIVE, "model-rgb", "mt9v024-rgb", "model-rgbw-ircut")
+    every = cn.analyze(*names).verdict
+    _verdict.cache_clear()
+    monkeypatch.setattr("chromanoise.study.trade_offs._MOST_CHECKED", 3)
+    few = cn.analyze(*names).verdict
+    assert few is not every
+    assert few.at_equal_color.standings == every.at_equal_color.standings
+    assert few.winner == every.winner == "model-rgbw-ircut"
+    assert few.answer[0].text.count(" dB") == 5  # of four, and of the three others together

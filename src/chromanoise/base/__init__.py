@@ -102,6 +102,7 @@ if TYPE_CHECKING:
         JsonKeys,
         defined,
         described_keys,
+        json_text,
         keys_of,
         plain,
         schema,

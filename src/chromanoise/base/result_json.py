@@ -11,13 +11,14 @@ interactive session.
 """
 
 import inspect
+import json
 import math
 import re
 import reprlib
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields, is_dataclass
-from functools import cache, reduce
+from functools import cache, partial, reduce
 from operator import or_
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
@@ -123,6 +124,50 @@ def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
     if value is None or not (keys or is_dataclass(value)):
         return value
     return _object((*owners, value), keys or keys_of(type(value)))
+
+
+def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
+    """JSON text as `json.dumps` writes it with that indentation, with a line end.
+
+    Lists of numbers are encoded by the compiled encoder of `json`, which cannot indent.
+
+    Parameters
+    ----------
+    data
+        Objects, lists, text, finite numbers and ``None``, from `plain`.
+    indent
+        Blanks per level.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite.
+
+    Examples
+    --------
+    >>> print(json_text({"snr": [1.0, None]}), end="")
+    {
+      "snr": [
+        1.0,
+        null
+      ]
+    }
+    """
+
+    def text(value: Any, pad: str) -> str:
+        inner = pad + " " * indent
+        if not isinstance(value, dict | list | tuple) or not value:
+            return encode(value)
+        if isinstance(value, dict):
+            parts = [f"{encode(str(key))}: {text(one, inner)}" for key, one in value.items()]
+            return f"{{{inner}{f',{inner}'.join(parts)}{pad}}}"
+        if any(isinstance(one, dict | list | tuple) for one in value):
+            return f"[{inner}{f',{inner}'.join(text(one, inner) for one in value)}{pad}]"
+        own = encode(value, separators=(f",{inner}", ": "))
+        return f"[{inner}{own[1:-1]}{pad}]"
+
+    encode = partial(json.dumps, allow_nan=False, ensure_ascii=ensure_ascii)
+    return text(data, "\n") + "\n"
 
 
 def keys_of(kind: type) -> JsonKeys:

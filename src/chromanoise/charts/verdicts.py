@@ -233,19 +233,21 @@ def _first(found: EqualColor, tied: Sequence[Standing], behind: Sequence[Standin
             f"against {three_digits(one.visual_noise)})"
             for one in behind
         ]
-        last = f"up to {behind[-1].behind_db:.1f} dB less than"
-        less = _shortened(less, last)
+        less = _shortened(less, f"up to {behind[-1].behind_db:.1f} dB less than {{}} others")
         who = f"{best.sensor}{_unused(found, best)}"
         return f"{who} has the least visual noise {at}: {listed(less)}."
-    names = listed([f"{one.sensor}{_unused(found, one)}" for one in (best, *tied)])
+    every = [f"{one.sensor}{_unused(found, one)}" for one in (best, *tied)]
+    names = listed(_shortened(every, "{} others"))
     apart = f"they differ by less than {LEAST_TIE_DB:g} dB"
     if max(found.tie_db or 0.0, tied[-1].behind_db) > LEAST_TIE_DB:
         apart = (
             f"they differ by {tied[-1].behind_db:.1f} dB, and another training set, color error or "
             f"measure of noise shifts this by {found.tie_db:.1f} dB"
         )
-    more = listed([f"{one.sensor} has {one.behind_db:.1f} dB more" for one in behind])
-    return f"{names} tie in visual noise {at}: {apart}{'; ' if more else ''}{more}."
+    more = [f"{one.sensor} has {one.behind_db:.1f} dB more" for one in behind]
+    if behind:
+        more = _shortened(more, f"{{}} others have up to {behind[-1].behind_db:.1f} dB more")
+    return f"{names} tie in visual noise {at}: {apart}{'; ' if more else ''}{listed(more)}."
 
 
 def _unused(found: EqualColor, one: Standing) -> str:
@@ -255,10 +257,10 @@ def _unused(found: EqualColor, one: Standing) -> str:
     return f" (without {listed(unused)})" if unused else ""
 
 
-def _shortened(every: list[str], last: str) -> list[str]:
+def _shortened(every: list[str], rest: str) -> list[str]:
     """The first few of a list, and of the others how many they are."""
     more = len(every) - _MOST_NAMED
-    return every if more < 2 else [*every[:_MOST_NAMED], f"{last} {more} others"]
+    return every if more < 2 else [*every[:_MOST_NAMED], rest.format(more)]
 
 
 def _whys(best: Standing, behind: Sequence[Standing]) -> list[str]:
@@ -296,8 +298,8 @@ def _totals(found: EqualColor) -> str:
         for one in others
         if one not in close
     ]
-    last = f"up to {three_digits(others[-1].least_total_error)} for" if others else ""
-    against = f", against {listed(_shortened(behind, last))}" if behind else ""
+    rest = f"up to {three_digits(others[-1].least_total_error)} for {{}} others" if others else ""
+    against = f", against {listed(_shortened(behind, rest))}" if behind else ""
     return (
         "With the matrices of least total color error as viewed (color and noise together), "
         f"{leads}: {own} ΔE*ab{against}."
@@ -472,7 +474,10 @@ def _colors(able: Sequence[Analysis], found: EqualColor) -> list[str]:
     able = sorted(able, key=lambda one: (place.get(one.sensor.label, len(place)), one.sensor.label))
     trades = {one.point.sensor.label: one for one in found.trade_offs}
     errors, noises, below = [], [], []
-    for a in able:
+    more_than_named = len(able) - _MOST_NAMED
+    shown = able if more_than_named < 2 else able[:_MOST_NAMED]
+    rest = f" (and {more_than_named} others in the table)" if shown is not able else ""
+    for a in shown:
         label, error = a.sensor.label, mean_color_error(a)
         trade = trades.get(label)
         above_db = _above_the_least_db(a, trade)
@@ -485,7 +490,7 @@ def _colors(able: Sequence[Analysis], found: EqualColor) -> list[str]:
     over = f"mean ΔE*ab over {_patches(able[0])}"
     told = [
         f"With {matrix}, color error ({over}): {', '.join(errors)}; visual noise: "
-        f"{', '.join(noises)}."
+        f"{', '.join(noises)}{rest}."
     ]
     if below:
         told.append(

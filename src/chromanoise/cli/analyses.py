@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from chromanoise.base import InputError
+from chromanoise.base import InputError, json_text
 from chromanoise.charts import outcome_tables, pareto_table
 from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import (
@@ -27,7 +27,6 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import (
     fail_if_option,
     json_option,
-    json_text,
     leave_if_failed,
     print_lines,
     progress_of,

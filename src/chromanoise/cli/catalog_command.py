@@ -8,9 +8,9 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from chromanoise.base import InputError
+from chromanoise.base import InputError, json_text
 from chromanoise.cli.options import command
-from chromanoise.cli.output import json_option, json_text, write_outputs
+from chromanoise.cli.output import json_option, write_outputs
 from chromanoise.study import (
     KINDS,
     Entry,

@@ -24,6 +24,7 @@ from chromanoise.base import (
     InputError,
     __version__,
     check,
+    json_text,
     refuse_unwritable,
     renamed,
     whole_folder,
@@ -39,7 +40,6 @@ from chromanoise.cli.options import (
 )
 from chromanoise.cli.output import (
     json_option,
-    json_text,
     print_lines,
     progress_of,
     write_json,

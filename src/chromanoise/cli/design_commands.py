@@ -11,7 +11,7 @@ import click
 import numpy as np
 
 from chromanoise.apps.design import DEFAULT_OBJECTIVES, OBJECTIVES, half_widths, sensitivity_of
-from chromanoise.base import InputError
+from chromanoise.base import InputError, json_text
 from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import (
     WHOLE,
@@ -25,7 +25,6 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import (
     duration,
     json_option,
-    json_text,
     print_lines,
     refuse_inputs,
     refuse_taken_inputs,

@@ -4,11 +4,10 @@ from typing import Any
 
 import click
 
-from chromanoise.base import InputError
+from chromanoise.base import InputError, json_text
 from chromanoise.cli.options import command, own_option, table_option, with_settings
 from chromanoise.cli.output import (
     json_option,
-    json_text,
     print_lines,
     refuse_taken_inputs,
     table_text,

@@ -4,7 +4,6 @@ JSON and tables go to a file or to standard output. Progress is an estimate of t
 bar on a terminal.
 """
 
-import json
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -20,6 +19,7 @@ from chromanoise.base import (
     Setting,
     StudyError,
     errors_in,
+    json_text,
     refuse_unwritable,
     setting_of_study,
     write_all_whole,
@@ -56,11 +56,6 @@ def leave_if_failed(sentences: Sequence[str]) -> None:
         click.echo(f"chromanoise: {sentence}", err=True)
     if sentences:
         click.get_current_context().exit(_FAILED)
-
-
-def json_text(data: dict[str, Any]) -> str:
-    """JSON as the commands write it."""
-    return json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def table_text(table: Table, target: str) -> str:

@@ -1,6 +1,5 @@
 """The commands on studies and their outputs, from ``chromanoise run`` to ``diff``."""
 
-import json
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from click.core import ParameterSource
 from chromanoise.base import (
     InputError,
     claimed_folder,
+    json_text,
     refuse_unwritable,
     whole_folder,
     write_whole,
@@ -21,7 +21,6 @@ from chromanoise.cli.options import WHOLE, command
 from chromanoise.cli.output import (
     fail_if_option,
     json_option,
-    json_text,
     leave_if_failed,
     print_lines,
     refuse_inputs,
@@ -144,7 +143,7 @@ def schema(result: str) -> None:
 
     compare-map is `chromanoise compare --and`. A later release may add keys.
     """
-    click.echo(json.dumps(RESULT_KINDS[result].json_schema(), indent=2, ensure_ascii=False))
+    click.echo(json_text(RESULT_KINDS[result].json_schema()), nl=False)
 
 
 @command()
@@ -153,7 +152,7 @@ def schema(result: str) -> None:
 )
 def study(schema: bool) -> None:
     """Print a commented study file with common keys, or the JSON Schema of all keys."""
-    click.echo(json.dumps(study_schema(), indent=2) if schema else STARTER.rstrip())
+    click.echo(json_text(study_schema()) if schema else STARTER, nl=False)
 
 
 @command()

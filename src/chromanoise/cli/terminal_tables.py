@@ -25,6 +25,7 @@ from chromanoise.color import ColorMatrix
 from chromanoise.io import Table as Rows, head as heading, number_text, written
 from chromanoise.metrics import MatrixReport
 from chromanoise.study import (
+    MOST_CROSSED_SENSORS,
     MOST_PAIRS_SENSORS,
     RECONSTRUCTION,
     Analysis,
@@ -227,13 +228,15 @@ def print_comparison(
     console.print(table)
     if any((np.isnan(curve.value) & ~curve.saturated).any() for curve in curves):
         console.print("-: the matrix gives no valid color under this light.")
-    many = len({curve.sensor for curve in curves}) > MOST_PAIRS_SENSORS
-    if many:
+    count = len({curve.sensor for curve in curves})
+    if count > MOST_PAIRS_SENSORS:
         what = f"{quantity.what} [{quantity.unit}]"
         print_ranking(ranks, f"Ranking at the fixed settings by {what}")
     for sentence in map(band_sentence, bands):
         console.print(sentence, soft_wrap=True)
-    if many:
+    if count > MOST_CROSSED_SENSORS:
+        console.print("--json has the crossovers at which the best sensor changes.")
+    elif count > MOST_PAIRS_SENSORS:
         console.print("--json has the crossovers of all pairs.")
 
 

@@ -6,6 +6,7 @@ import warnings
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 from chromanoise.base import InputError, regular_file
@@ -20,6 +21,7 @@ from chromanoise.io.spectra.json_curves import read_json
 from chromanoise.io.spectra.parsed import ASK, Answers, Found, ParsedSpectra
 
 _LARGEST_BYTES = 4 * 2**20
+_SMALL_BYTES = 32 * 2**10  # files whose curves are kept: of 2048 together 64 MiB
 _LARGEST_LIBRARY_BYTES = 32 * 2**20
 _MOST_CURVES = 10_000
 _MOST_HIGH = 0.1
@@ -118,7 +120,10 @@ def read_curves(path: Path | str | Found, *, answers: Answers = ASK) -> ParsedSp
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return _meaning(_found(path, _content(path)), answers)
+            content = _content(path)
+            found = _found(path, content)
+            kept = _kept_meaning if len(content) <= _SMALL_BYTES else _meaning
+            return kept(found, answers)
     except InputError:
         raise
     except OSError as error:
@@ -138,6 +143,10 @@ def _meaning(found: Found, answers: Answers) -> ParsedSpectra:
         need = f"must have at most {_MOST_CURVES} curves"
         raise has(found.source, need, len(found.columns), remedy="split them")
     return meaning_of(found, answers)
+
+
+# a study is checked first, then computed: its files are parsed once
+_kept_meaning = lru_cache(maxsize=2048)(_meaning)  # by identity of what was parsed
 
 
 def _content(path: Path) -> bytes:
@@ -167,9 +176,17 @@ def _found(path: Path, content: bytes) -> Found:
         with zipfile.ZipFile(path) as archive:
             _refuse_kind(path, kind_of_zip(archive.namelist()))
         return read_workbook(path)
-    text, notes = _decoded(path, content)
-    found = next(read for is_text, read in TEXT_FORMATS if is_text(text))(text, str(path))
+    read = _kept_text if len(content) <= _SMALL_BYTES else _of_text
+    return read(str(path), content)
+
+
+def _of_text(path: str, content: bytes) -> Found:
+    text, notes = _decoded(Path(path), content)
+    found = next(read for is_text, read in TEXT_FORMATS if is_text(text))(text, path)
     return replace(found, notes=(*notes, *found.notes))
+
+
+_kept_text = lru_cache(maxsize=2048)(_of_text)
 
 
 def kind_of(content: bytes) -> tuple[str, str] | None:

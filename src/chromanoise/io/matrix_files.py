@@ -13,7 +13,6 @@ A crosstalk matrix or kernel is read from a table of text.
 
 import csv
 import io
-import json
 import re
 import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -36,6 +35,7 @@ from chromanoise.base import (
     csv_text,
     inputs,
     inv,
+    json_text,
     matrix_rank,
     text_of_cell,
     text_of_comment,
@@ -477,7 +477,7 @@ def matrix_json(made: MadeMatrix) -> str:
         "white_e": made.white_e.tolist(),
         "balanced": balanced(made).tolist(),
     }
-    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(data)
 
 
 def matrix_clf(made: MadeMatrix) -> str:
@@ -538,7 +538,7 @@ def matrix_profile_json(made: MadeMatrix) -> str:
         "AsShotNeutral": neutral.tolist(),
         "CameraToXYZ": to_xyz.tolist(),
     }
-    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(data)
 
 
 def matrix_writer(path: str, subject: str = "path") -> Callable[[MadeMatrix], str]:

@@ -5,7 +5,6 @@ all digits, so reading them restores the same numbers; Markdown and LaTeX round 
 column. An undefined value is an empty cell, or ``null`` in JSON.
 """
 
-import json
 import math
 import re
 from collections.abc import Callable, Iterable
@@ -15,7 +14,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from chromanoise.base import InputError, __version__, check, csv_text, defined, with_short_repr
+from chromanoise.base import (
+    InputError,
+    __version__,
+    check,
+    csv_text,
+    defined,
+    json_text,
+    with_short_repr,
+)
 from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.parsed import SCHEMA_VERSION, held_json, named, word_of, words_of
 
@@ -248,7 +255,7 @@ def table_json(table: Table) -> str:
         "rows": [list(row) for row in table.rows],
         "notes": list(table.notes),
     }
-    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(data)
 
 
 def table_from_json(text: str, *, source: str = "table") -> Table:

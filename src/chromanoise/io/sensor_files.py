@@ -10,7 +10,7 @@ from typing import Any, cast, get_args
 
 import numpy as np
 
-from chromanoise.base import InputError, Remedy, Setting, __version__, check
+from chromanoise.base import InputError, Remedy, Setting, __version__, check, json_text
 from chromanoise.io.curve_files import read_curves
 from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.parsed import (
@@ -20,7 +20,6 @@ from chromanoise.io.spectra.parsed import (
     Answers,
     Found,
     array_of,
-    as_json,
     held_json,
     named,
     number_of,
@@ -56,7 +55,7 @@ def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> st
     facts
         Other facts: level, per and scale, with the values of `Found`.
     """
-    return as_json(
+    return json_text(
         {
             "schema": SPECTRA_SCHEMA,
             "schema_version": SCHEMA_VERSION,
@@ -69,13 +68,14 @@ def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> st
             "names": list(spectra.names),
             "wavelength_nm": spectra.wavelength_nm.tolist(),
             "values": spectra.values.tolist(),
-        }
+        },
+        indent=1,
     )
 
 
 def sensor_json(sensor: Sensor) -> str:
     """The JSON of `sensor_data`; `sensor_from_json` reads it."""
-    return as_json(sensor_data(sensor))
+    return json_text(sensor_data(sensor), indent=1)
 
 
 def sensor_data(sensor: Sensor) -> dict[str, Any]:

@@ -215,6 +215,7 @@ if TYPE_CHECKING:
         sensor_with_pixel as sensor_with_pixel,
     )
     from chromanoise.study.ranking import (
+        MOST_CROSSED_SENSORS,
         MOST_PAIRS_SENSORS,
         Crossover as Crossover,
         CrossoverBand as CrossoverBand,

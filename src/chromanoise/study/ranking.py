@@ -4,7 +4,7 @@ A crossover over spectral priors shows how the sensor that wins depends on what 
 expects. Over a sweep, the best sensor of each range is listed.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 from typing import Any, ClassVar
@@ -105,7 +105,8 @@ def crossovers(
 ) -> tuple[Crossover, ...]:
     """For each matrix and each pair of sensors, where their order changes.
 
-    Signs are read off the curves; each change is then refined on the closed form.
+    Of more than ``MOST_CROSSED_SENSORS`` sensors, only pairs of which one follows the other as the
+    best. Signs are read off the curves; each change is then refined on the closed form.
 
     Parameters
     ----------
@@ -159,8 +160,25 @@ def _pairs(
 ) -> Iterator[tuple[MatrixFunction, _Side, _Side]]:
     for name, maker in makers.items():
         mine = [curve for curve in curves if curve.matrix == name]
-        for one, other in combinations(zip(contestants, mine, strict=True), 2):
-            yield maker, one, other
+        sides = list(zip(contestants, mine, strict=True))
+        compared_pairs: Iterable[tuple[int, int]] = combinations(range(len(sides)), 2)
+        if len(sides) > MOST_CROSSED_SENSORS:
+            compared_pairs = _successions(mine)
+        for one, other in compared_pairs:
+            yield maker, sides[one], sides[other]
+
+
+def _successions(curves: Sequence[Curve]) -> list[tuple[int, int]]:
+    """Pairs of sensors, by place, of which one follows the other as the best of all."""
+    pairs = {tuple(sorted(pair)) for pair in pairwise(_best(curves)) if min(pair) >= 0}
+    return sorted((one, other) for one, other in pairs if one != other)
+
+
+def _best(curves: Sequence[Curve]) -> list[int]:
+    """Place of the best sensor at each value of the sweep; -1 where none has one."""
+    values = np.array([curve.value for curve in curves])
+    best: list[int] = leaders_of(values, curves[0].quantity.more_is_better).tolist()
+    return best
 
 
 def _value_at(
@@ -387,6 +405,9 @@ def band_sentence(band: CrossoverBand) -> str:
 MOST_PAIRS_SENSORS = 3
 """Up to this number of sensors each pair has a sentence; more have a ranking and leaders."""
 
+MOST_CROSSED_SENSORS = 60
+"""Up to this number of sensors the crossovers of all pairs are computed."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rank:
@@ -560,9 +581,7 @@ def leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> tuple[Lead, 
 
 
 def _leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> list[Lead]:
-    best = leaders_of(
-        np.array([curve.value for curve in curves]), curves[0].quantity.more_is_better
-    ).tolist()
+    best = _best(curves)
     at = curves[0].at.tolist()
     ends: list[tuple[int, float, float]] = []  # leader, first, last
     for i, leader in enumerate(best):

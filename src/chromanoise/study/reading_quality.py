@@ -6,8 +6,9 @@ The results also show the light at which contrast detection is reliable, and whe
 information about spectra.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import ClassVar, Literal, get_args
 
 import numpy as np
@@ -664,13 +665,16 @@ class PairOutcome:
         Names of the two patches; ``None`` for the median of all pairs.
     distance
         D_M. [1]
-    probability
-        Probability that an ideal reader names the right patch.
     """
 
     names: tuple[str, str] | None
     distance: float
-    probability: float
+    _probability: Callable[[], float]
+
+    @property
+    def probability(self) -> float:
+        """Probability that an ideal reader names the right patch; computed where it is read."""
+        return self._probability()
 
     @property
     def near_chance(self) -> bool:
@@ -697,7 +701,7 @@ class RawOutcome:
 def raw_outcomes(analysis: Analysis) -> dict[str, RawOutcome] | None:
     """Median and worst pair in raw values, with brightness (`RAW`) and without (`RAW_WITHOUT`).
 
-    Much faster than `separation_of`: only the probabilities of these pairs are computed.
+    Much faster than `separation_of`: only probabilities of these pairs are computed, on demand.
 
     Parameters
     ----------
@@ -726,20 +730,25 @@ def _outcome(at: Stages, pairs: PatchPairs, reading: str) -> RawOutcome:
     order = np.argsort(distance, kind="stable")
     middle = order[(len(order) - 1) // 2 : len(order) // 2 + 1]
     few = np.append(order[:1], middle)
-    probability = _raw_probabilities(at, replace(pairs, indices=pairs.indices[few]))
-    if reading == RAW_WITHOUT:
-        probability = np.minimum(probability, separation_probability(distance[few]))
+
+    @cache
+    def probability() -> Float[Array, " m"]:
+        found = _raw_probabilities(at, replace(pairs, indices=pairs.indices[few]))
+        if reading == RAW_WITHOUT:
+            found = np.minimum(found, separation_probability(distance[few]))
+        return found
+
     first, second = pairs.names[order[0]]
     return RawOutcome(
         median=PairOutcome(
             names=None,
             distance=float(np.median(distance)),
-            probability=float(probability[1:].mean()),
+            _probability=lambda: float(probability()[1:].mean()),
         ),
         worst=PairOutcome(
             names=(first, second),
             distance=float(distance[order[0]]),
-            probability=float(probability[0]),
+            _probability=lambda: float(probability()[0]),
         ),
     )
 

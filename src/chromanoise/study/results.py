@@ -876,7 +876,8 @@ class Comparison(Result):
     points
         Operating point of each sensor before the sweep.
     curves, crossovers, bands
-        Per sensor and matrix; per pair of sensors; over all priors, if requested.
+        Per sensor and matrix; per pair of sensors, of more than 60 only those that follow each
+        other as the best; over all priors, if requested.
     ranking
         The sensors from best to worst at their operating points, per matrix.
     leads

@@ -5,7 +5,6 @@ their numbers.
 """
 
 import filecmp
-import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import chdir, nullcontext
@@ -23,6 +22,7 @@ from chromanoise.base import (
     claimed_folder,
     content_hash,
     json_file,
+    json_text,
     refuse_unwritable,
     true_path,
 )
@@ -489,7 +489,7 @@ def record_if_readable(file: Path) -> dict[str, Any]:
 
 def _write(file: Path, record: dict[str, Any]) -> None:
     record = record | {"content": content_hash(record)}
-    file.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    file.write_text(json_text(record, indent=1, ensure_ascii=True), encoding="utf-8")
 
 
 ROUNDING = 1e-9

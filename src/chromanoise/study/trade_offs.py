@@ -66,6 +66,7 @@ _MOST_SUBSETS = 5  # channels of which all subsets are tried
 _ROUNDING = 1e-9  # of a color error, relative
 _STRIDE = 4  # of the matrices whose total error is computed first
 _PALE = 1.0  # mean chroma of a chart without colors
+_MOST_CHECKED = 20  # sensors whose order is checked by other conventions, lights and color errors
 _ERRORS = 17  # color errors at which the order is checked
 _PER_DECADE, _COARSE = 12, 4  # weights of the noise, at the own light level and at others
 
@@ -386,7 +387,8 @@ class EqualColor:
         training set, with 0.5 Delta E*ab more color error, with the visual noise beyond first
         order, or by S-CIELAB: the margin shrinks by as much. [dB]
     turns
-        Where another sensor than the first has less noise.
+        Where another sensor than the first has less noise; this and ties are sought among the 20
+        sensors of least noise.
     levels_lux
         Lowest and highest light level that was compared; saturation ends the range. [lx]
     errors
@@ -750,18 +752,21 @@ def equal_color(
     order = np.argsort(noise, kind="stable")
     behind_db = decibel(noise / noise[order[0]])
     margin_db = float(behind_db[order[1]])
-    first = int(order[0])
-    again_db = _again_db(trades, first, prior, least, most)
-    shrinks_db = np.maximum(LEAST_TIE_DB, (behind_db - again_db).max(axis=0))[order[1:]]
-    tied_db = shrinks_db[behind_db[order[1:]] <= shrinks_db]
-    tie_db = float(tied_db.max() if tied_db.size else shrinks_db[0])
-    changes_db = np.maximum(LEAST_TIE_DB, np.abs(behind_db - again_db).max(axis=0))
+    near = np.sort(order[:_MOST_CHECKED])
+    nearest, first = [trades[k] for k in near], int(np.searchsorted(near, order[0]))
+    again_db = _again_db(nearest, first, prior, least, most)
+    near_db = behind_db[near]
+    shrinks_db = np.maximum(LEAST_TIE_DB, (near_db - again_db).max(axis=0))
+    others = np.argsort(near_db, kind="stable")[1:]
+    tied_db = shrinks_db[others][near_db[others] <= shrinks_db[others]]
+    tie_db = float(tied_db.max() if tied_db.size else shrinks_db[others[0]])
+    changes_db = np.maximum(LEAST_TIE_DB, np.abs(near_db - again_db).max(axis=0))
     lit, errors = [level], np.linspace(least, most, _ERRORS)
     found_turns: list[Turn] = []
     if turns:
-        by_light = _by_light(trades, prior)
+        by_light = _by_light(nearest, prior)
         lit = sorted(by_light)
-        levels, same = [by_light[one] for one in lit], [trades] * _ERRORS
+        levels, same = [by_light[one] for one in lit], [nearest] * _ERRORS
         found_turns = [
             *_turns("light [lx]", lit, levels, None, first, changes_db, colorless),
             *_turns("color error [Delta E*ab]", errors, same, errors, first, changes_db, colorless),
@@ -774,7 +779,7 @@ def equal_color(
             colorless,
             behind_db=float(behind_db[k]),
             gray_snr_db=snr_db[k],
-            lost_in_matrix_db=float(behind_db[k]) + (snr_db[k] - snr_db[first]),
+            lost_in_matrix_db=float(behind_db[k]) + (snr_db[k] - snr_db[order[0]]),
         )
         for k, trade in enumerate(trades)
     ]

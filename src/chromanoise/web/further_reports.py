@@ -5,7 +5,6 @@ the benchmark is a folder with one HTML file and its pictures. The page of ``chr
 verdict, pictures, tables, equations, figures and downloads.
 """
 
-import json
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -49,6 +48,7 @@ from chromanoise.base import (
     InputError,
     __version__,
     channel_color,
+    json_text,
     whole_folder,
 )
 from chromanoise.charts import cause_label, explanation_as_json
@@ -161,7 +161,7 @@ def write_characterization(result: Characterization, folder: Path | str) -> tupl
         texts[f"photon_transfer_{name}.csv"] = photon_transfer_csv(plane)
     noted = replace(result, notes=(*result.notes, *missing))
     texts["pixel.toml"] = pixel_toml(result)
-    texts["characterization.json"] = _json(characterization_as_json(noted))
+    texts["characterization.json"] = json_text(characterization_as_json(noted), indent=1)
     texts["report.html"] = characterization_report(noted)
     with whole_folder(folder, "characterize") as scratch:
         _refuse_left_over(folder, texts)
@@ -194,10 +194,10 @@ def omitted_files(result: Characterization) -> list[str]:
 def _optional_files(result: Characterization) -> tuple[dict[str, str], list[str]]:
     """The files whose values are known, and a sentence for each of the others."""
     makers: dict[str, Callable[[Characterization], str]] = {
-        "noise_profile.json": lambda one: _json(noise_profile_json(one)),
+        "noise_profile.json": lambda one: json_text(noise_profile_json(one), indent=1),
         "noise_profile.txt": noise_profile_line,
-        "darktable.json": lambda one: _json(darktable_json(one)),
-        "libcamera.json": lambda one: _json(libcamera_json(one)),
+        "darktable.json": lambda one: json_text(darktable_json(one), indent=1),
+        "libcamera.json": lambda one: json_text(libcamera_json(one), indent=1),
     }
     texts, missing = {}, []
     for name, maker in makers.items():
@@ -219,10 +219,6 @@ def _refuse_left_over(folder: Path, texts: Mapping[str, str]) -> None:
             found=f"holds {', '.join(left[:5])}, which this characterization does not replace",
             remedy=("remove these files", "name another folder"),
         )
-
-
-def _json(data: Mapping[str, Any]) -> str:
-    return json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def _inline_svg(figure: Any, name: str, title: str) -> str:

@@ -28,9 +28,10 @@ from chromanoise.base import (
     after,
     check,
     dotted,
+    json_text,
     regular_file,
 )
-from chromanoise.io.spectra import QE_FACTS, SCHEMA_VERSION, as_json, held_json, spectra_csv
+from chromanoise.io.spectra import QE_FACTS, SCHEMA_VERSION, held_json, spectra_csv
 from chromanoise.sensor import Pixel
 from chromanoise.spectra import Spectra
 from chromanoise.study import ExposurePart, LightPart, PixelPart, matrix_makers
@@ -752,7 +753,7 @@ class FrontFile(_Record):
 
     def as_json(self) -> str:
         """The text of ``front.json``."""
-        return as_json(self.model_dump(mode="json", by_alias=True))
+        return json_text(self.model_dump(mode="json", by_alias=True), indent=1)
 
 
 def read_front(path: Path | str) -> FrontFile:

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
         Question as Question,
         Scale,
         Unit,
-        as_json,
         gaps_nm,
         held_json,
         in_nm,

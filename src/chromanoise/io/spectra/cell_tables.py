@@ -29,6 +29,7 @@ from chromanoise.io.spectra.parsed import (
 )
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
+_PLAIN = re.compile(r"\d{1,20}(\.\d{0,20})?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
 _NUMERAL = re.compile(r"[-+]?[.,]?\d|[-+]?(?:nan|inf)", re.IGNORECASE)
@@ -64,6 +65,8 @@ def number_in(cell: str, *, decimal_comma: bool = False) -> float:
     >>> number_in("1,5D2", decimal_comma=True), number_in("12 %"), number_in("high")
     (150.0, 12.0, nan)
     """
+    if _PLAIN.fullmatch(cell):  # most cells
+        return float(cell)
     if not is_number(cell, decimal_comma=decimal_comma):
         return _NAN
     plain = cell.strip().rstrip("% ").lower().replace("d", "e")

@@ -125,16 +125,18 @@ def _delimiter(lines: list[tuple[int, str]]) -> str:
         return sum(sum(is_number(c, decimal_comma=comma) for c in row) > 1 for row in cells[name])
 
     for words in (0, 1, 2):
-        if any(rows_of_numbers(name, words) for name in DELIMITERS):
-            return max(DELIMITERS, key=lambda name: rows_of_numbers(name, words))
+        counts = {name: rows_of_numbers(name, words) for name in DELIMITERS}
+        if any(counts.values()):
+            return max(counts, key=counts.__getitem__)
     return max(DELIMITERS, key=rows_with_numbers)
 
 
 def _is_row(cells: list[str], words: int, *, decimal_comma: bool) -> bool:
-    filled = [cell.strip() for cell in cells if cell.strip()]
-    numbers = filled[words:]
+    if len(cells) <= max(words, 1):
+        return False
+    filled = [cell for cell in map(str.strip, cells) if cell]
     return len(filled) > max(words, 1) and all(
-        is_number(c, decimal_comma=decimal_comma) for c in numbers
+        is_number(c, decimal_comma=decimal_comma) for c in filled[words:]
     )
 
 

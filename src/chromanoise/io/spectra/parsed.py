@@ -4,7 +4,6 @@ Curves with different wavelengths are resampled to a common list of wavelengths.
 versions of the schemas raise an error.
 """
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
@@ -420,11 +419,6 @@ SCHEMA_VERSION = 1
 SPECTRA_SCHEMA = "chromanoise spectra"
 UNIT_OF_COLUMN = {"1": "", "e-/photon": ""}
 """Units that the quantity implies; in a heading, e-/photon would also declare absolute values."""
-
-
-def as_json(data: Mapping[str, Any]) -> str:
-    """JSON text with all digits; numbers that are not finite raise an error."""
-    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def named(error: InputError, source: str) -> InputError:

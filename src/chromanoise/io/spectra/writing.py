@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import __version__, csv_comment, csv_text
+from chromanoise.base import __version__, csv_comment, csv_text, json_text
 from chromanoise.io.source_files import refused
-from chromanoise.io.spectra.parsed import as_json
 from chromanoise.sensor import PIXEL_REQUIRED, Mosaic, Sensor
 from chromanoise.spectra import Spectra
 
@@ -190,7 +189,7 @@ def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
             "data": {"main": data},
         },
     }
-    return as_json(document)
+    return json_text(document, indent=1)
 
 
 def spectra_spdx(
