@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from chromanoise.base.lazy import MovedPackages, lazy_names, renamed_keywords, warn_of_old_name
     from chromanoise.base.linalg import (
         RANK_TOLERANCE,
+        across,
         angles_deg,
         blas_kernel,
         cholesky,

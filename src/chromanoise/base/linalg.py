@@ -30,8 +30,8 @@ def _of_finite(solver: Callable[..., Any], what: str, *arrays: Array, **options:
         If a number is not finite, or the solver finds no solution.
     """
     for array in arrays:
-        bad = ~np.isfinite(array)
-        if bad.any():
+        if not np.isfinite(array).all():
+            bad = ~np.isfinite(array)
             first = np.asarray(array)[bad][0]
             raise InputError(
                 what,
@@ -89,8 +89,20 @@ def _signs(columns: Array) -> Array:
         return np.ones((*columns.shape[:-2], 1, columns.shape[-1]))
     sizes = np.abs(columns)
     largest = np.argmax(sizes >= 0.999 * sizes.max(axis=-2, keepdims=True), axis=-2)
-    entries = np.take_along_axis(columns, largest[..., None, :], axis=-2)
+    if columns.ndim == 2:  # most often, and several times as fast
+        entries = columns[largest, np.arange(largest.size)][None]
+    else:
+        entries = np.take_along_axis(columns, largest[..., None, :], axis=-2)
     return np.where(entries < 0, -1.0, 1.0)
+
+
+def across(direction: Float[Array, " p"]) -> Float[Array, "p q"]:
+    """Orthonormal columns, one less than entries, at right angles to a direction (Householder)."""
+    length = float(np.linalg.norm(direction))
+    mirror = direction / (length or 1.0)
+    mirror[0] += 1.0 if mirror[0] >= 0 else -1.0
+    every = np.eye(direction.size) - np.outer(mirror, mirror * (2.0 / float(mirror @ mirror)))
+    return every[:, 1:]
 
 
 def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Array, "*px q q"]:

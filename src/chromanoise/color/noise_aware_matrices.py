@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from chromanoise.base import RANK_TOLERANCE, Array, Bool, Float, check, qr, svd, whitening
+from chromanoise.base import RANK_TOLERANCE, Array, Bool, Float, across, check, qr, svd, whitening
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import Training, training_response
 from chromanoise.noise import Exposure, mean_noise_covariance
@@ -162,9 +162,8 @@ class NoiseAwareFamily:
         relative = self._relative[:, used]
         unit = whitening(self._what, self._noise_e2[np.ix_(used, used)] / np.outer(scale, scale))
         toward = unit.sum(axis=0)  # of the white, a row of ones
-        across = svd(self._what, toward[None])[2][1:].T
         self._gray = np.outer(self._seen.white_xyz, unit @ toward / (toward @ toward))
-        self._directions = unit @ across
+        self._directions = unit @ across(toward)
         left, self._s, self._turn = svd(
             self._what, relative @ self._directions, full_matrices=False
         )
@@ -187,7 +186,7 @@ class NoiseAwareFamily:
             return np.array([0.0, np.inf])
         low, high = squares.min() / _BEYOND, squares.max() * _BEYOND
         count = 1 + int(np.ceil(per_decade * np.log10(high / low)))
-        return np.concatenate([[0.0], np.geomspace(low, high, count), [np.inf]])
+        return np.concatenate([[0.0], low * (high / low) ** np.linspace(0.0, 1.0, count), [np.inf]])
 
     def matrices(self, weights: Float[Array, " q"]) -> Float[Array, "q 3 p"]:
         """One matrix per weight. [lx/e-]

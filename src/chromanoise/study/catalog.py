@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, get_args
@@ -569,6 +570,7 @@ def _as_json(entry: Entry) -> dict[str, Any]:
     return data
 
 
+@cache
 def _provenances() -> tuple[Provenance, ...]:
     """The provenances of all built-in entries, tables first; those of kind ``part`` are omitted."""
     return tuple(p for p in (*sources().values(), *formulas().values()) if p.kind != "part")

@@ -738,7 +738,7 @@ def _outcome(at: Stages, pairs: PatchPairs, reading: str) -> RawOutcome:
             found = np.minimum(found, separation_probability(distance[few]))
         return found
 
-    first, second = pairs.names[order[0]]
+    first, second = (pairs.patches.names[k] for k in pairs.indices[order[0]])
     return RawOutcome(
         median=PairOutcome(
             names=None,
