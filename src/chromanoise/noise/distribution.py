@@ -322,7 +322,24 @@ def _places(mean: float, noise: float) -> Float[Array, " t"]:
 def _shares_beside(
     electrons: Float[Array, " t"], mean: float, noise: float
 ) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
-    """Share of the readouts below and above each value; far counts need no Gaussian."""
+    """Share of the readouts below and above each value; 1 for the larger of two unequal ones.
+
+    The median lies within one standard deviation of the mean, so beyond it only one is computed.
+    """
+    sd = np.sqrt(mean + noise**2)
+    below, above = np.ones_like(electrons), np.ones_like(electrons)
+    for shares, side, here in (
+        (below, 1.0, electrons <= mean + sd),
+        (above, -1.0, electrons >= mean - sd),
+    ):
+        shares[here] = _share_on_side(electrons[here], mean, noise, side)
+    return below, above
+
+
+def _share_on_side(
+    electrons: Float[Array, " t"], mean: float, noise: float, side: float
+) -> Float[Array, " t"]:
+    """Share of the readouts below (``side`` 1) or above (-1); far counts need no Gaussian."""
     from scipy.special import ndtr
 
     counts, shares = count_law(mean)
@@ -331,12 +348,12 @@ def _shares_beside(
     first = np.clip(first, 0, counts.size - near)
     at = first[:, None] + np.arange(near)
     with np.errstate(over="ignore"):  # overflows to inf for a read noise of 1e-308 e-
-        away = (electrons[:, None] - counts[at]) / noise
-    upto = np.concatenate([[0.0], np.cumsum(shares)])
-    onward = np.concatenate([np.cumsum(shares[::-1])[::-1], [0.0]])
-    below = upto[first] + (shares[at] * ndtr(away)).sum(axis=1)
-    above = onward[first + near] + (shares[at] * ndtr(-away)).sum(axis=1)
-    return below, above
+        away = (side * electrons[:, None] - (side * counts)[at]) / noise
+    if side > 0:
+        far = np.concatenate([[0.0], np.cumsum(shares)])[first]
+    else:
+        far = np.concatenate([np.cumsum(shares[::-1])[::-1], [0.0]])[first + near]
+    return np.asarray(far + (shares[at] * ndtr(away)).sum(axis=1))
 
 
 def _normal_scores(below: Float[Array, " t"], above: Float[Array, " t"]) -> Float[Array, " t"]:
