@@ -69,6 +69,7 @@ bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/denoising.py
 	$(BIN)/python benchmarks/imaging.py --write
 	$(BIN)/python benchmarks/startup.py --write
+	$(BIN)/python benchmarks/whole_jobs.py --install --write
 	$(BIN)/python benchmarks/page.py --write
 	$(BIN)/python benchmarks/web_file.py --write
 
@@ -108,7 +109,7 @@ clean: clean-kernels
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "chromanoise needs Python 3.11 or newer; set PYTHON=python3.12, for example")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[compiled]"
 	touch $@
 
 # Pillow below 12 cannot write some files of the tests, which are left out

@@ -69,7 +69,8 @@ def test_the_conda_recipe_needs_what_the_package_needs():
     text = (ROOT / "packaging/conda/recipe.yaml").read_text(encoding="utf-8")
     needs = yaml.safe_load(text)["requirements"]["run"]
     named = {need.replace(" ", "").replace("matplotlib-base", "matplotlib") for need in needs}
-    assert named == {*PROJECT["dependencies"], f"python{PROJECT['requires-python']}"}
+    own = (*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["compiled"])
+    assert named == {*own, f"python{PROJECT['requires-python']}"}
 
 
 def test_a_release_publishes_only_files_that_were_built_tested_and_signed():

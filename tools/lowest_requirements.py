@@ -9,7 +9,7 @@ import re
 import tomllib
 from pathlib import Path
 
-EXTRAS = ("cubes", "design", "exr", "fits", "raw", "xlsx")
+EXTRAS = ("compiled", "cubes", "design", "exr", "fits", "raw", "xlsx")
 _BOUND = re.compile(r"^([A-Za-z0-9_.-]+)>=([0-9.]+)$")
 
 
@@ -41,7 +41,8 @@ def main() -> None:
         *project["dependencies"],
         *(one for name in EXTRAS for one in extras[name]),
     ):
-        print(lowest(requirement))
+        if not requirement.startswith("chromanoise["):  # another extra
+            print(lowest(requirement))
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import ast
 import re
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -79,3 +80,26 @@ def test_a_data_frame_without_pandas_names_the_extra(monkeypatch):
     with refused_input(subject="a data frame", requirement="needs the package pandas") as caught:
         _OfOneCell().to_dataframe()
     assert "chromanoise[pandas]" in str(caught.value)
+
+
+WITHOUT_NUMBA = """
+import sys
+sys.modules["numba"] = sys.modules["llvmlite"] = None
+from chromanoise.cli import main
+main(sys.argv[1:])
+"""
+
+
+def _without_numba(*arguments):
+    command = [sys.executable, "-c", WITHOUT_NUMBA, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_without_numba_a_search_names_the_extra_and_writes_nothing(tmp_path):
+    """Pictures need no numba: `test_kernel_cache` compares their bits."""
+    design = ROOT / "examples/designs/better_than_both.toml"
+    found = _without_numba("optimize", design, "-o", tmp_path / "front")
+    assert found.returncode == 2
+    assert "numba" in found.stderr
+    assert "pip install 'chromanoise[compiled]'" in found.stderr
+    assert not (tmp_path / "front").exists()

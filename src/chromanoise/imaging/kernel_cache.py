@@ -30,7 +30,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import write_whole
+from chromanoise.base import optional_package, refuse_absent_package, write_whole
 
 _UNUSED_S = 30 * 24 * 3600.0
 
@@ -43,7 +43,7 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     options
         Options of ``njit`` other than ``cache`` and ``nogil``.
     """
-    from numba import njit
+    njit = _njit()
 
     def compiled(function: Callable[..., Any]) -> Any:
         with cached_compilation(Path(function.__code__.co_filename).parent) as cached:
@@ -54,9 +54,7 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 def inner(function: Callable[..., Any]) -> Any:
     """A compiled function that only kernels call: it has no form that Python could call."""
-    from numba import njit
-
-    return njit(**_INNER)(function)
+    return _njit()(**_INNER)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
@@ -64,9 +62,11 @@ def inlined(function: Callable[..., Any]) -> Any:
 
     With ``inline="always"`` numba would infer the types of each copy anew.
     """
-    from numba import njit
+    return _njit()(**_INNER, forceinline=True)(function)
 
-    return njit(**_INNER, forceinline=True)(function)
+
+def _njit() -> Any:
+    return optional_package("numba", "compiled code", extra="compiled").njit
 
 
 def either_module(compiled: str, plain: str) -> Any:
@@ -95,9 +95,11 @@ def kernel_of(
         The data type for which the kernel is compiled, where it takes several.
     """
     plain = getattr(import_module(f"{__package__}.plain"), name)
-    if find_spec("numba") is None:
-        return plain
     seconds = values * (_VALUE_S + bands * _BAND_S)
+    if find_spec("numba") is None:
+        if seconds > _SMALL_S:
+            _say_that_it_is_slow()
+        return plain
     what = "-".join(filter(None, (name, kind)))
     folder = kernel_folder(_PACKAGE)
     ready = folder and folder / f"compiled-{what}"
@@ -242,6 +244,16 @@ def _remove_on_compilation(folder: Path, package: Path) -> None:
 
 
 @cache
+def _say_that_it_is_slow() -> None:
+    print(
+        "Large pictures take some 30 times as long without numba: "
+        "pip install 'chromanoise[compiled]'",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+@cache
 def _say_that_kernels_are_compiled() -> None:
     print(
         "Compiling numerical code for this processor, only once: up to a minute ...",
@@ -351,6 +363,7 @@ def _as_c(argument: Any) -> Any:
 
 
 def _function(module: str, name: str, signature: str) -> Any:
+    refuse_absent_package("numba", "compiled code", extra="compiled")
     folder = kernel_folder(_PACKAGE) if sys.platform == "linux" else None
     path = folder and folder / _file_name(module, name, signature)
     kept = path and _kept(path)
@@ -363,11 +376,9 @@ _COMPILED: list[Any] = []  # their code must stay in memory
 
 def _compiled(module: str, name: str, signature: str, path: Path | None) -> int:
     """The address of a new kernel, whose object code is written to ``path``."""
-    from numba import njit
-
     plain = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
     with cached_compilation(_PACKAGE) as cached:
-        function = njit(cache=cached and path is None, error_model="numpy", **plain)(
+        function = _njit()(cache=cached and path is None, error_model="numpy", **plain)(
             getattr(import_module(module), name)
         )
     function.compile(signature)
