@@ -8,7 +8,6 @@ import codecs
 import gc
 import json
 import os
-import platform
 import re
 import signal
 import sys
@@ -18,7 +17,7 @@ import warnings
 from _thread import interrupt_main
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from importlib import import_module, metadata
+from importlib import import_module
 from typing import Any
 
 import click
@@ -35,6 +34,8 @@ def installation() -> str:
 
     ``missing`` packages belong to extras: ``pip install "chromanoise[NAME]"`` installs them.
     """
+    import platform  # of --version alone
+
     lines = [
         f"chromanoise {__version__}",
         f"Python {platform.python_version()} on {platform.system()} {platform.machine()}",
@@ -49,6 +50,8 @@ def installation() -> str:
 
 def _needs() -> Iterator[tuple[str, str]]:
     """Each package with its extra; none if only the source is here, not an installation."""
+    from importlib import metadata  # reads mail headers: slow to import
+
     try:
         needs = metadata.requires("chromanoise") or []
     except metadata.PackageNotFoundError:
@@ -60,6 +63,8 @@ def _needs() -> Iterator[tuple[str, str]]:
 
 
 def _version(package: str) -> str:
+    from importlib import metadata
+
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:

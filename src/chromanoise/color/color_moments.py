@@ -289,8 +289,9 @@ def gaussian_moments(
 @cache
 def _gaussian_cubature(radii: int, latitudes: int, longitudes: int) -> Cubature:
     r, r_weight = _radius_rule(radii)
-    c, c_weight = np.polynomial.legendre.leggauss(latitudes)
-    c, c_weight = (c + 1) / 2, c_weight / 2  # one hemisphere
+    k = np.arange(1, latitudes)
+    c, c_weight = _gauss_points(np.zeros(latitudes), k / np.sqrt(4.0 * k**2 - 1))  # of Legendre
+    c = (c + 1) / 2  # one hemisphere
     i, j, k = np.indices((radii, latitudes, longitudes)).reshape(3, -1)
     turn = (i * latitudes + j) / 1.618034  # golden: no two rings share a meridian
     angle = 2 * np.pi * (k + turn) / longitudes
@@ -301,10 +302,19 @@ def _gaussian_cubature(radii: int, latitudes: int, longitudes: int) -> Cubature:
     return Cubature(points=np.concatenate([points, -points]), weights=weights / weights.sum())
 
 
+_FEJER = 400  # points; the error of the means is rounding
+
+
 def _radius_rule(count: int) -> tuple[Array, Array]:
-    """Gauss points for the norm of three standard normals (Stieltjes, then Golub-Welsch)."""
-    r, weight = np.polynomial.legendre.leggauss(400)
-    r, weight = 7 * (r + 1), weight * (7 * (r + 1)) ** 2 * np.exp(-((7 * (r + 1)) ** 2) / 2)
+    """Gauss points for the norm of three standard normals (Stieltjes).
+
+    Integrals from 0 to 14 are by Fejer's first rule, whose points are in closed form.
+    """
+    turn = np.pi * (np.arange(_FEJER) + 0.5) / _FEJER
+    j = np.arange(1, _FEJER // 2 + 1)
+    weight = 1 - 2 * (np.cos(2 * turn[:, None] * j) / (4 * j**2 - 1)).sum(axis=1)
+    r = 7 * (1 + np.cos(turn))
+    weight = weight * r**2 * np.exp(-(r**2) / 2)
     weight = weight / weight.sum()
     before, now = np.zeros_like(r), np.ones_like(r)
     centers, widths, square = [], [], 1.0
@@ -313,9 +323,12 @@ def _radius_rule(count: int) -> tuple[Array, Array]:
         centers.append(float(weight @ (r * now**2)) / square)
         widths.append(square / last)
         before, now = now, (r - centers[-1]) * now - widths[-1] * before
-    off = np.sqrt(widths[1:])
-    jacobi = np.diag(centers) + np.diag(off, 1) + np.diag(off, -1)
-    nodes, vectors = eigh("Gauss rule", jacobi)
+    return _gauss_points(np.array(centers), np.sqrt(widths[1:]))
+
+
+def _gauss_points(centers: Float[Array, " n"], off: Float[Array, " m"]) -> tuple[Array, Array]:
+    """Points and weights, of sum 1, from the recurrence of the polynomials (Golub-Welsch)."""
+    nodes, vectors = eigh("Gauss rule", np.diag(centers) + np.diag(off, 1) + np.diag(off, -1))
     return nodes, vectors[0] ** 2
 
 
