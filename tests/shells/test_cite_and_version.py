@@ -5,6 +5,7 @@ import platform
 import re
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -58,7 +59,7 @@ def test_cite_without_an_option_gives_one_line_for_each(done):
 
 
 def test_the_version_names_the_installed_packages_and_the_missing_ones(done, monkeypatch):
-    monkeypatch.setattr(installed.metadata, "requires", lambda _: NEEDED)
+    monkeypatch.setattr(metadata, "requires", lambda _: NEEDED)
     first, python, *groups = done("--version")[0].splitlines()
     assert first == f"chromanoise {chromanoise.__version__}"
     assert python.split()[1] == platform.python_version()
