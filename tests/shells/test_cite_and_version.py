@@ -14,7 +14,6 @@ import yaml
 
 import chromanoise
 import make_man
-from chromanoise.cli import entry as installed
 
 ROOT = Path(__file__).parents[2]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
