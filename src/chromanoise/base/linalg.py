@@ -96,13 +96,13 @@ def _signs(columns: Array) -> Array:
     return np.where(entries < 0, -1.0, 1.0)
 
 
-def across(direction: Float[Array, " p"]) -> Float[Array, "p q"]:
+def across(direction: Float[Array, "*k p"]) -> Float[Array, "*k p q"]:
     """Orthonormal columns, one less than entries, at right angles to a direction (Householder)."""
-    length = float(np.linalg.norm(direction))
-    mirror = direction / (length or 1.0)
-    mirror[0] += 1.0 if mirror[0] >= 0 else -1.0
-    every = np.eye(direction.size) - np.outer(mirror, mirror * (2.0 / float(mirror @ mirror)))
-    return every[:, 1:]
+    length = np.linalg.norm(direction, axis=-1, keepdims=True)
+    mirror = direction / np.where(length > 0, length, 1.0)
+    mirror[..., 0] += np.where(mirror[..., 0] >= 0, 1.0, -1.0)
+    twice = 2.0 / (mirror**2).sum(axis=-1, keepdims=True)
+    return np.asarray((np.eye(direction.shape[-1]) - _outer_of(mirror, twice * mirror))[..., 1:])
 
 
 def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Array, "*px q q"]:
@@ -117,11 +117,11 @@ def covariance_root(what: str, s: Float[Array, "*k p p"]) -> Float[Array, "*k p 
     return np.asarray(_correlation_power(what, s, sd, 0.5) * sd[..., None, :])
 
 
-def whitening(what: str, s: Float[Array, "p p"]) -> Float[Array, "p p"]:
+def whitening(what: str, s: Float[Array, "*k p p"]) -> Float[Array, "*k p p"]:
     """W with W^T S W = 1, for a covariance S; 0 for a direction without noise."""
-    sd = np.sqrt(np.diagonal(s))
+    sd = np.sqrt(np.diagonal(s, axis1=-2, axis2=-1))
     inverse = np.where(sd > 0, 1.0 / np.where(sd > 0, sd, 1.0), 0.0)
-    return np.asarray(inverse[:, None] * _correlation_power(what, s, sd, -0.5))
+    return np.asarray(inverse[..., None] * _correlation_power(what, s, sd, -0.5))
 
 
 def _correlation_power(
@@ -129,7 +129,7 @@ def _correlation_power(
 ) -> Float[Array, "*k p p"]:
     """A power of the correlations of a covariance; eigenvalues of rounding size count as 0."""
     identity = np.broadcast_to(np.eye(s.shape[-1]), s.shape)
-    correlation = np.where(identity > 0, 1.0, s / _outer(np.where(sd > 0, sd, 1.0)))
+    correlation = np.where(identity > 0, 1.0, s / _outer_of(sd := np.where(sd > 0, sd, 1.0), sd))
     if (correlation == identity).all():
         return identity
     value, vector = eigh(what, correlation)
@@ -138,8 +138,8 @@ def _correlation_power(
     return np.asarray((vector * powers[..., None, :]) @ np.swapaxes(vector, -1, -2))
 
 
-def _outer(sd: Float[Array, "*k p"]) -> Float[Array, "*k p p"]:
-    return np.asarray(sd[..., :, None] * sd[..., None, :])
+def _outer_of(one: Float[Array, "*k p"], other: Float[Array, "*k p"]) -> Float[Array, "*k p p"]:
+    return np.asarray(one[..., :, None] * other[..., None, :])
 
 
 def unit_columns(

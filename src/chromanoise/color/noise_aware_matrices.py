@@ -8,6 +8,7 @@ demands a^T y = XYZ with a = W^T m. The part of y along a is the gray matrix. Th
 problem, and one singular value decomposition serves all weights.
 """
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 
@@ -92,7 +93,7 @@ def noise_aware_over_light(
     check.positive("smallest level_lux", "lx", float(levels.min()))
     family = NoiseAwareFamily(sensor, exposure, training, level_lux=float(levels[0]))
     weights = np.array([weight])
-    return np.stack([family.in_light(one / levels[0]).matrices(weights)[0] for one in levels])
+    return np.stack([one.matrices(weights)[0] for one in family.in_lights(levels / levels[0])])
 
 
 class NoiseAwareFamily:
@@ -109,6 +110,13 @@ class NoiseAwareFamily:
         As `noise_aware`.
     """
 
+    _gray: Float[Array, "c p"]  # of the used channels, as the next ones
+    _directions: Float[Array, "p s"]
+    _s: Float[Array, " s"]
+    _turn: Float[Array, "s s"]
+    _target: Float[Array, "s c"]
+    _kept: Bool[Array, " s"]
+
     def __init__(
         self, sensor: Sensor, exposure: Exposure, training: Training, *, level_lux: float
     ) -> None:
@@ -121,54 +129,67 @@ class NoiseAwareFamily:
         turn, self._relative = qr(self._what, electrons / seen.scale)
         self._xyz = turn.T @ xyz
         self._noise_e2 = seen.noise_e2
-        self._solve(seen.white_e > 0)
+        self._used = seen.white_e > 0
+        self._solved([self])
 
-    def in_light(self, factor: float) -> "NoiseAwareFamily":
-        """The family at another light level; spectra and their colors are kept.
+    def in_lights(self, factors: Float[Array, " k"]) -> "list[NoiseAwareFamily]":
+        """The family at other light levels; spectra and their colors are kept.
 
         Parameters
         ----------
-        factor
-            The light over that of this family. [1]
+        factors
+            Each light over that of this family. [1]
         """
-        if factor == 1:
-            return self
-        seen, brighter = self._seen, copy(self)
+        seen, brighter = self._seen, [copy(self) for _ in factors]
         given = (seen.electrons, seen.share, self._sensor, self._exposure)
-        brighter._noise_e2 = mean_noise_covariance(*given, light=factor) / factor**2
-        brighter._solve(self._used)
-        return brighter
+        noise_e2 = mean_noise_covariance(*given, light=factors) / factors[:, None, None] ** 2
+        for one, own_e2, factor in zip(brighter, noise_e2, factors, strict=True):
+            one._noise_e2 = self._noise_e2 if factor == 1 else own_e2
+        return self._solved(brighter)
 
-    def with_channels(self, used: Bool[Array, " p"]) -> "NoiseAwareFamily":
-        """The family of the matrices that weigh no other channels.
+    @staticmethod
+    def with_channels(
+        families: "Sequence[NoiseAwareFamily]", used: Bool[Array, " p"]
+    ) -> "list[NoiseAwareFamily]":
+        """The families of the matrices that weigh no other channels.
 
         Parameters
         ----------
+        families
+            From one family `in_lights`.
         used
             True for each channel that may have a weight, in the order of the sensor.
         """
-        fewer = copy(self)
-        fewer._solve(used & (self._seen.white_e > 0))
-        return fewer
+        fewer = [copy(one) for one in families]
+        for one in fewer:
+            one._used = used & (one._seen.white_e > 0)
+        return fewer[0]._solved(fewer) if fewer else fewer
 
     @property
     def used(self) -> Bool[Array, " p"]:
         """The channels that the matrices weigh: by default those that see the light."""
         return self._used
 
-    def _solve(self, used: Bool[Array, " p"]) -> None:
-        """Separate gray, and the directions across it in channels of unit noise."""
-        self._used, scale = used, self._seen.scale[used]
-        relative = self._relative[:, used]
-        unit = whitening(self._what, self._noise_e2[np.ix_(used, used)] / np.outer(scale, scale))
-        toward = unit.sum(axis=0)  # of the white, a row of ones
-        self._gray = np.outer(self._seen.white_xyz, unit @ toward / (toward @ toward))
-        self._directions = unit @ across(toward)
-        left, self._s, self._turn = svd(
-            self._what, relative @ self._directions, full_matrices=False
-        )
-        self._target = left.T @ (self._xyz - relative @ self._gray.T)
-        self._kept = self._s > RANK_TOLERANCE * max(self._s, default=0.0)
+    def _solved(self, families: "list[NoiseAwareFamily]") -> "list[NoiseAwareFamily]":
+        """Separate gray, and the directions across it in channels of unit noise.
+
+        The families differ from this one by their noise and channels alone, the latter alike.
+        """
+        used = families[0]._used
+        scale, relative = self._seen.scale[used], self._relative[:, used]
+        noise_e2 = np.stack([one._noise_e2[np.ix_(used, used)] for one in families])
+        unit = whitening(self._what, noise_e2 / np.outer(scale, scale))
+        toward = unit.sum(axis=-2)  # of the white, a row of ones
+        weights = (unit @ toward[..., None])[..., 0] / (toward**2).sum(axis=-1, keepdims=True)
+        gray = self._seen.white_xyz[:, None] * weights[:, None]
+        directions = unit @ across(toward)
+        left, s, turn = svd(self._what, relative @ directions, full_matrices=False)
+        target = np.swapaxes(left, -1, -2) @ (self._xyz - relative @ np.swapaxes(gray, -1, -2))
+        kept = s > RANK_TOLERANCE * s.max(axis=-1, keepdims=True, initial=0.0)
+        for i, one in enumerate(families):
+            one._gray, one._directions, one._target = gray[i], directions[i], target[i]
+            one._s, one._turn, one._kept = s[i], turn[i], kept[i]
+        return families
 
     def weights(self, per_decade: int = 12) -> Float[Array, " q"]:
         """Weights from 0 to infinity, dense where the matrix changes. [1]

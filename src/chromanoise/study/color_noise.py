@@ -17,6 +17,7 @@ from chromanoise.base import (
     Bool,
     Float,
     InputError,
+    Int,
     JsonKey,
     JsonKeys,
     check,
@@ -130,11 +131,13 @@ _ROUNDING = 1e-13  # of the terms of a variance
 
 
 def noise_as_viewed(
-    white_e: Float[Array, " p"],
+    white_e: Float[Array, "*l p"],
     sensor: Sensor,
     exposure: Exposure,
     matrices: Float[Array, "*q 3 p"],
     viewing: Viewing,
+    *,
+    place: Int[Array, "*q"] | int | None = None,
 ) -> Float[Array, "*q"]:
     """Visual noise of an 18 % gray, with every channel in each pixel. [CIELUV]
 
@@ -143,20 +146,21 @@ def noise_as_viewed(
     Parameters
     ----------
     white_e
-        Expected electrons of a perfect white. [e-]
+        Expected electrons of a perfect white; with ``place``, of one at each light level. [e-]
     sensor, exposure
         The sensor and its exposure.
     matrices
         Color matrices. [lx/e-]
     viewing
         Size and distance of the picture.
+    place
+        Which of the light levels each matrix is for, or all are for.
 
     Notes
     -----
     ISO 15739:2017, annex B, to first order at the mean color.
     """
-    in_pixel = _gray_in_pixel(white_e, sensor, exposure, matrices)
-    known = (matrices @ white_e > 0).all(axis=-1)
+    in_pixel, known = _gray_in_pixel(white_e, sensor, exposure, matrices, place)
     viewed = viewed_covariance(
         np.where(known[..., None, None], in_pixel, 0.0),
         pixels_per_degree=viewing.pixels_per_degree,
@@ -174,17 +178,23 @@ def noise_as_viewed(
 
 
 def _gray_in_pixel(
-    white_e: Array, sensor: Sensor, exposure: Exposure, matrices: Array
-) -> Float[Array, "*q 3 3"]:
+    white_e: Array,
+    sensor: Sensor,
+    exposure: Exposure,
+    matrices: Array,
+    place: Array | int | None = None,
+) -> tuple[Float[Array, "*q 3 3"], Bool[Array, "*q"]]:
     """Covariance of X, Y, Z over those of the white, of the gray in one pixel. [1]
 
-    NaN where X, Y or Z of the white is not above 0.
+    NaN where X, Y or Z of the white is not above 0, which is also returned.
     """
     in_e2 = with_noise(GRAY * white_e, sensor, exposure).covariance
-    white = matrices @ white_e
-    known = (white > 0).all(axis=-1)[..., None, None]
-    balanced = matrices / np.where(known, white[..., None], np.nan)
-    return balanced @ in_e2 @ np.swapaxes(balanced, -1, -2)
+    if place is not None:
+        white_e, in_e2 = white_e[place], in_e2[place]
+    white = matrices @ white_e[..., None]
+    known = (white > 0).all(axis=(-1, -2))
+    balanced = matrices / np.where(known[..., None, None], white, np.nan)
+    return balanced @ in_e2 @ np.swapaxes(balanced, -1, -2), known
 
 
 @cache
@@ -226,7 +236,7 @@ def noise_beyond_first_order(
     matrix
         The color matrix, with X, Y and Z of the white above 0. [lx/e-]
     """
-    in_pixel = _gray_in_pixel(white_e, sensor, exposure, matrix)
+    in_pixel, _ = _gray_in_pixel(white_e, sensor, exposure, matrix)
     by_iso = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
     to_opponent = np.asarray(OPPONENT_FROM_XYZ) * D65_WHITE
     shares = scielab_shares(viewing.pixels_per_degree)

@@ -578,34 +578,44 @@ def _along_light(
         return [why] * len(levels_lux)
     training = training_named(_on_grid(prior, sensor.grid), point.illuminant, point.observer)
     family = NoiseAwareFamily(sensor, exposure, training, level_lux=point.level_lux)
-    found: list[TradeOff | str] = []
-    for level in levels_lux:
-        factor = level / point.level_lux
-        white_e = factor * chart.white_e
-        hidden = coarsely_converted(GRAY * white_e, sensor, exposure).any()
-        if hidden or saturated(white_e, sensor, exposure).any():
-            found.append(COARSE if hidden else SATURATED)
-            continue
-        there = family.in_light(factor)
-        families = [there, *(there.with_channels(one) for one in _subsets(there.used))]
-        every = [one.weights(per_decade) for one in families]
-        weights = np.concatenate(every)
-        matrices = np.concatenate(
-            [one.matrices(mine) for one, mine in zip(families, every, strict=True)]
-        )
-        in_e2, row = with_noise(white_e, sensor, exposure).covariance, matrices[:, 1]
-        noise_lux = np.sqrt(((row @ in_e2) * row).sum(axis=-1))
-        found.append(
-            TradeOff(
-                point=replace(point, level_lux=level),
-                viewing=viewing,
-                weights=weights,
-                family=np.repeat(np.arange(len(every)), [one.size for one in every]),
-                matrices=matrices,
-                color_error=chart.errors(chart.seen(matrices)).mean(axis=-1),
-                visual_noise=noise_as_viewed(white_e, sensor, exposure, matrices, viewing),
-                snr_y_db=decibel(row @ white_e / noise_lux),
-            )
+    factors = np.array(levels_lux) / point.level_lux
+    white_e = factors[:, None] * chart.white_e
+    hidden = np.any(coarsely_converted(GRAY * white_e, sensor, exposure), axis=-1)
+    able = np.flatnonzero(~(hidden | saturated(white_e, sensor, exposure).any(axis=-1)))
+    found: list[TradeOff | str] = [COARSE if one else SATURATED for one in hidden]
+    if not able.size:
+        return found
+    lit = family.in_lights(factors[able])
+    each = [lit, *(family.with_channels(lit, one) for one in _subsets(family.used))]
+    by_level = list(zip(*each, strict=True))
+    weights = [[one.weights(per_decade) for one in there] for there in by_level]
+    matrices = np.concatenate(
+        [
+            one.matrices(own)
+            for there, mine in zip(by_level, weights, strict=True)
+            for one, own in zip(there, mine, strict=True)
+        ]
+    )
+    counts = np.array([sum(one.size for one in mine) for mine in weights])
+    place = np.repeat(np.arange(able.size), counts)
+    at = place if able.size > 1 else 0
+    color_error = chart.errors(chart.seen(matrices)).mean(axis=-1)
+    given = (white_e[able], sensor, exposure)
+    visual = noise_as_viewed(*given, matrices, viewing, place=at)
+    row, in_e2 = matrices[:, None, 1], with_noise(*given).covariance[at]
+    noise_lux = np.sqrt(((row @ in_e2) * row).sum(axis=(-1, -2)))
+    snr_y_db = decibel((row[:, 0] * white_e[able][at]).sum(axis=-1) / noise_lux)
+    for k, mine in enumerate(weights):
+        own = place == k
+        found[able[k]] = TradeOff(
+            point=replace(point, level_lux=levels_lux[able[k]]),
+            viewing=viewing,
+            weights=np.concatenate(mine),
+            family=np.repeat(np.arange(len(mine)), [one.size for one in mine]),
+            matrices=matrices[own],
+            color_error=color_error[own],
+            visual_noise=visual[own],
+            snr_y_db=snr_y_db[own],
         )
     return found
 
