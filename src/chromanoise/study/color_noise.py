@@ -192,7 +192,7 @@ def _gray_in_pixel(
     if place is not None:
         white_e, in_e2 = white_e[place], in_e2[place]
     white = matrices @ white_e[..., None]
-    known = (white > 0).all(axis=(-1, -2))
+    known = np.asarray((white > 0).all(axis=(-1, -2)))
     balanced = matrices / np.where(known[..., None, None], white, np.nan)
     return balanced @ in_e2 @ np.swapaxes(balanced, -1, -2), known
 
