@@ -18,7 +18,7 @@ from chromanoise.apps.camera import (
     variance_through_file,
 )
 from chromanoise.apps.camera.statistics import (
-    fixed_pattern,
+    fixed_patterns,
     hot_pixels,
     scaled_sample,
     spatial_variance,
@@ -129,7 +129,7 @@ def test_a_fixed_pattern_is_found_without_the_temporal_noise():
         for _ in range(2)
     ]
     (plane,) = light_sample(frames, (1, 1)).planes
-    total = fixed_pattern(sum(one.codes().astype(int) for one in frames), 2)
+    total = fixed_patterns(frames, (1, 1), [0])[0]
     for filtered in (False, True):
         one = spatial_variance(total, plane, high_pass=filtered)
         assert one.variance_dn2 == pytest.approx(pattern.var(), abs=4 * one.se_dn2)
@@ -140,7 +140,8 @@ def test_the_high_pass_takes_shading_away_and_keeps_the_pattern():
     y, _ = np.indices((200, 200))
     pattern = np.random.default_rng(5).standard_normal((200, 200))
     shaded = 500_000 * (1 - 0.3 * (y / 199 - 0.5) ** 2) + 5000 * pattern
-    total = fixed_pattern(shaded.round().astype(int), 1000)
+    total = fixed_patterns([frame(shaded.round().astype(int))], (1, 1), [0])[0]
+    total = replace(total, frames=1000)
     (plane,) = light_sample([frame(np.zeros((200, 200), int))] * 2, (1, 1)).planes
     plain, filtered = (
         spatial_variance(total, plane, high_pass=one).variance_dn2 for one in (False, True)
@@ -154,10 +155,11 @@ def test_hot_pixels_are_counted_and_normal_ones_are_not(sigma):
     rng = np.random.default_rng(6)
     dark = [(100 + sigma * rng.standard_normal((300, 300))).round().astype(int) for _ in range(2)]
     (plane,) = light_sample([frame(one) for one in dark], (1, 1)).planes
-    assert hot_pixels(fixed_pattern(sum(dark), 2), plane) == 0
-    for one in dark:
-        one[3, 4] = one[200, 7] = 100 + 30 * max(sigma, 1)
-    assert hot_pixels(fixed_pattern(sum(dark), 2), plane) == 2
+    for hot in (0, 2):
+        for one in dark:
+            one[[3, 200][:hot], [4, 7][:hot]] = 100 + 30 * max(sigma, 1)
+        pattern = fixed_patterns([frame(one) for one in dark], (1, 1), [0])[0]
+        assert hot_pixels(pattern, plane) == hot
 
 
 @pytest.mark.parametrize("shape", [(40, 3000), (3000, 40)])

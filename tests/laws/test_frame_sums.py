@@ -11,8 +11,8 @@ import pytest
 from scipy.ndimage import convolve1d, uniform_filter1d
 
 from chromanoise.apps.camera import characterized, light_sample, statistics
-from chromanoise.apps.camera.statistics import summed
-from chromanoise.imaging.frame_sums import PairSums, high_passed_variance, value_counts
+from chromanoise.apps.camera.statistics import fixed_patterns
+from chromanoise.imaging.frame_sums import SMOOTHED, PairSums, PatternSums
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, frames_in
 from outcomes import refused_input
 
@@ -133,17 +133,48 @@ def test_many_frames_of_one_light_need_few_open_files(tmp_path, monkeypatch):
     assert light_sample(stored(tmp_path, *pictures), (2, 2)).planes == in_turn.planes
 
 
+def sums_of(image, border=0, rows=11):
+    """The sums of a picture that comes in blocks of rows."""
+    sums = PatternSums(image.shape, image.dtype, border)
+    for start in range(0, len(image), rows):
+        block = image[start : start + rows]
+        sums.zeros(len(block))[...] = block
+        sums.add()
+    return sums
+
+
 @pytest.mark.parametrize("tile", [(1, 1), (2, 2), (2, 3)])
-def test_frames_are_summed_by_plane(tmp_path, tile):
-    pictures = [codes((24, 36), seed, 65536) for seed in range(5)]
+@pytest.mark.parametrize("kind", [np.uint16, np.int32])
+def test_patterns_are_those_of_the_sum_of_the_frames_of_each_plane(
+    tmp_path, monkeypatch, tile, kind
+):
+    pictures = [codes((140, 210), seed, 65536, kind) for seed in range(5)]
     whole = np.sum(pictures, axis=0, dtype=np.int64)
     planes = [whole[y :: tile[0], x :: tile[1]] for y in range(tile[0]) for x in range(tile[1])]
-    for found, plane in zip(summed(stored(tmp_path, *pictures), tile), planes, strict=True):
-        np.testing.assert_array_equal(found, plane)
+    for pixels in (210 * 22, 10**6):
+        monkeypatch.setattr(statistics, "_BLOCK_PIXELS", pixels)
+        found = fixed_patterns(stored(tmp_path, *pictures), tile, range(len(planes)))
+        for i, plane in enumerate(planes):
+            assert (found[i].frames, found[i].shape) == (5, plane.shape)
+            values, counts = np.unique(plane, return_counts=True)
+            np.testing.assert_array_equal(found[i].values, values)
+            np.testing.assert_array_equal(found[i].counts, counts)
+            moments = found[i].mean, found[i].variance
+            assert moments == pytest.approx((plane.mean(), plane.var(ddof=1)), rel=1e-12)
+            inner = plane[9:-9, 9:-9]
+            assert found[i].inner == pytest.approx((inner.mean(), inner.var(ddof=1)), rel=1e-12)
+            assert found[i].high_passed == sums_of(plane, SMOOTHED // 2, len(plane)).high_passed
+
+
+def test_a_small_picture_is_not_high_passed(tmp_path):
+    (found,) = fixed_patterns(stored(tmp_path, codes((63, 64))), (1, 1), [0]).values()
+    assert found.high_passed is None
+    assert found.inner == (found.mean, found.variance)
 
 
 @pytest.mark.parametrize("shape", [(64, 64), (70, 131)])
-def test_the_high_pass_is_that_of_scipy(shape):
+@pytest.mark.parametrize("rows", [5, 32, 70])
+def test_the_high_pass_is_that_of_scipy(shape, rows):
     image = codes(shape, high=30_000, kind=np.int32)
     smooth = image.astype(np.float64)
     for axis in (0, 1):
@@ -151,17 +182,21 @@ def test_the_high_pass_is_that_of_scipy(shape):
             smooth = uniform_filter1d(smooth, width, axis=axis)
         smooth = convolve1d(smooth, [0.25, 0.5, 0.25], axis=axis)
     inner = (image - smooth)[9:-9, 9:-9]
-    variance, sides = high_passed_variance(image)
+    variance, sides = sums_of(image, SMOOTHED // 2, rows).high_passed
     assert sides == inner.shape
     assert variance == pytest.approx(inner.var(ddof=1), rel=1e-12)
 
 
-@pytest.mark.parametrize("high", [3, 100_000, 2**40])
-def test_values_are_counted_as_numpy_counts_them(high):
+@pytest.mark.parametrize("high", [3, 100_000, 2**36])
+@pytest.mark.parametrize("border", [0, 9])
+def test_values_are_counted_as_numpy_counts_them(high, border):
     image = codes((30, 40), high=high, kind=np.int64) - 1
-    found = value_counts(image)
-    for one, true in zip(found, np.unique(image, return_counts=True), strict=True):
+    values, counts, inner = sums_of(image, border).counts
+    for one, true in zip((values, counts), np.unique(image, return_counts=True), strict=True):
         np.testing.assert_array_equal(one, true)
+    inside = image[border : 30 - border, border : 40 - border]
+    for one, true in zip((values, inner), np.unique(inside, return_counts=True), strict=True):
+        np.testing.assert_array_equal(one[inner > 0], true)
 
 
 def levels(number):

@@ -66,12 +66,11 @@ if TYPE_CHECKING:
     from chromanoise.imaging.frame_sums import (
         SMOOTHED,
         PairSums,
+        PatternSums,
         ScaledPairSums,
         add_plane,
         difference_rests,
-        high_passed_variance,
-        product_sum,
-        value_counts,
+        neighbor_products,
     )
     from chromanoise.imaging.kernel_cache import inlined, inner, kernel, watch_compiling
     from chromanoise.imaging.noise_draws import (

@@ -83,11 +83,11 @@ def _add_words(a, b, at, step, count, even, odd, into, sums):
 
 @no_type_check
 def add_word_pair(
-    a, b, height, words, first_row, tile_y, tile_x, totals, squares, even, odd, rows, sums
+    a, b, height, words, first_row, tile_y, tile_x, totals, squares, columns, rows, even, odd, sums
 ):
     """As `add_pair`; each word of 32 bits holds the codes of two columns, the first one low.
 
-    ``tile_x`` is 1, 2, 4 or 6; even, odd (tile_y, words): int32 sums of such columns; sums (6).
+    ``tile_x`` is 1, 2, 4 or 6; even, odd (tile_y, words): zeros of int32; sums (6).
     """
     second = min(tile_x - 1, 1)
     for y in range(height):
@@ -107,22 +107,26 @@ def add_word_pair(
                 totals[phase * tile_x + plane] += sums[half]
                 rows[y * tile_x + plane] += sums[2 + half]
                 squares[phase * tile_x + plane] += sums[4 + half]
+    for i in range(tile_y * words):
+        columns[2 * i] += np.int64(even[i])
+        columns[2 * i + 1] += np.int64(odd[i])
+        even[i] = odd[i] = 0
 
 
 @no_type_check
-def add_plane(rows, first, step, total, height, width, stored):
-    """Add every ``step``-th value from ``first`` on of rows (height, stored) to ``total``."""
+def add_plane(codes, first, step, total, height, width, stored):
+    """Add every ``step``-th value from ``first`` on, of rows ``stored`` apart, to ``total``."""
     for y in range(height):
         at, into = y * stored + first, y * width
         if step == 1:
             for i in range(width):
-                total[into + i] += rows[at + i]
+                total[into + i] += codes[at + i]
         elif step == 2:
             for i in range(width):
-                total[into + i] += rows[at + 2 * i]
+                total[into + i] += codes[at + 2 * i]
         else:
             for i in range(width):
-                total[into + i] += rows[at + i * step]
+                total[into + i] += codes[at + i * step]
 
 
 @no_type_check
@@ -153,24 +157,44 @@ def difference_rests(a, b, planes, rows, columns, rests, by_row, by_column, of_c
 
 
 @no_type_check
-def add_products(u, v, rows, columns, down, right, sums):
-    """Add u[y, x] v[y + down, x + right] (f4) over all places that both have, by columns."""
-    for y in range(rows - down):
-        at, other = y * columns, (y + down) * columns + right
-        for x in range(columns - right):
-            sums[x] += np.float64(u[at + x]) * np.float64(v[other + x])
+def add_products(rests, planes, rows, columns, products, right, down):
+    """Sums of products of rests (planes, rows, columns; f4) over the rows, by column.
+
+    products (planes, planes, columns): of two planes, the second not after the first; right
+    (planes, columns - 1), down (planes, columns): of neighbors in a plane.
+    """
+    size = rows * columns
+    for i in range(planes):
+        for j in range(i + 1):
+            into = (i * planes + j) * columns
+            for y in range(0, size, columns):
+                _add_products(rests, i * size + y, j * size + y, columns, products, into)
+        for at in range(i * size, (i + 1) * size, columns):
+            _add_products(rests, at, at + 1, columns - 1, right, i * (columns - 1))
+        for at in range(i * size, (i + 1) * size - columns, columns):
+            _add_products(rests, at, at + columns, columns, down, i * columns)
+
+
+@njit(inline="always")
+@no_type_check
+def _add_products(values, at, other, count, sums, into):
+    for x in range(count):
+        sums[into + x] += np.float64(values[at + x]) * np.float64(values[other + x])
 
 
 @no_type_check
-def add_high_passed(image, height, width, sums, squares, before, last, wide, wider, down, along):
+def add_high_passed(
+    image, first, height, width, sums, squares, before, last, wide, wider, down, along
+):
     """Add, by column, the high-passed image times its weight, and the square of that.
 
-    Zeros of int64: ``before`` (11, width), ``last`` (3, width), ``wide``, ``wider``, ``down``
-    (width), ``along`` (2, width).
+    ``image``: the 9 rows before the row number ``first``, and ``height`` rows from it on. Zeros of
+    int64: ``before`` (11, width), ``last`` (3, width), ``wide``, ``wider``, ``down`` (width),
+    ``along`` (2, width).
     """
     inner, border = width - SMOOTHED + 1, SMOOTHED // 2
-    for y in range(height):  # running sums down the columns
-        row, older, newest = y * width, y % WIDER * width, y % 3 * width
+    for y in range(first, first + height):  # running sums down the columns
+        row, older, newest = (y - first + border) * width, y % WIDER * width, y % 3 * width
         for x in range(width):
             value = wide[x] + np.int64(image[row + x])
             if y >= WIDE:
@@ -185,32 +209,37 @@ def add_high_passed(image, height, width, sums, squares, before, last, wide, wid
         middle, oldest = (y - 1) % 3 * width, (y - 2) % 3 * width
         for x in range(width):
             down[x] = last[newest + x] + 2 * last[middle + x] + last[oldest + x]
-        _running_sums(down, 0, width, WIDE, along, 0)
-        _running_sums(along, 0, width - WIDE + 1, WIDER, along, width)
-        center = (y - border) * width + border
+        for x in range(width - WIDE + 1):
+            total = np.int64(0)
+            for i in range(WIDE):
+                total += down[x + i]
+            along[x] = total
+        for x in range(inner + 2):
+            total = np.int64(0)
+            for i in range(WIDER):
+                total += along[x + i]
+            down[x] = total
+        center = row - border * width + border
         for x in range(inner):
-            at = width + x
-            smooth = along[at] + 2 * along[at + 1] + along[at + 2]
+            smooth = down[x] + 2 * down[x + 1] + down[x + 2]
             high = WEIGHT * np.float64(image[center + x]) - np.float64(smooth)
             sums[x] += high
             squares[x] += high * high
 
 
-@njit(inline="always")
 @no_type_check
-def _running_sums(values, at, count, wide, found, to):
-    """Sums of ``wide`` values from each place on, where so many follow."""
-    total = np.int64(0)
-    for x in range(wide - 1):
-        total += values[at + x]
-    for x in range(count - wide + 1):
-        total += values[at + x + wide - 1]
-        found[to + x] = total
-        total -= values[at + x]
+def add_counts(image, height, width, first, last, border, least, counts, bins):
+    """Add how many pixels are ``least``, ``least + 1`` ... to ``counts`` (2, bins).
 
-
-@no_type_check
-def add_counts(image, pixels, least, counts):
-    """Add how many values of the image are ``least``, ``least + 1`` ... to ``counts``."""
-    for i in range(pixels):
-        counts[np.int64(image[i]) - least] += 1
+    First those outside of the rows from ``first`` to ``last`` and within ``border`` of their ends.
+    """
+    for y in range(height):
+        at, left = y * width, width
+        if first <= y < last:
+            left = border
+        for x in range(left):
+            counts[np.int64(image[at + x]) - least] += 1
+        for x in range(left, width - border):
+            counts[bins + np.int64(image[at + x]) - least] += 1
+        for x in range(max(left, width - border), width):
+            counts[np.int64(image[at + x]) - least] += 1

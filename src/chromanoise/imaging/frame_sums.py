@@ -24,9 +24,10 @@ _MOST_ROWS = 1 << 15  # of codes of 16 bits, whose sums have 32 bits
 _LOW_FIRST = sys.byteorder == "little"
 
 
-def _codes(block: Integer[Array, "..."]) -> Integer[Array, "..."]:
+def _codes(*blocks: Integer[Array, "..."]) -> list[Integer[Array, "..."]]:
     """Contiguous codes of one of the two types for which the kernels are compiled."""
-    return np.ascontiguousarray(block, np.uint16 if block.dtype == np.uint16 else np.int64)
+    kind = np.uint16 if all(block.dtype == np.uint16 for block in blocks) else np.int64
+    return [np.ascontiguousarray(block, kind) for block in blocks]
 
 
 class PairSums:
@@ -44,13 +45,15 @@ class PairSums:
         Sum of the difference over the columns of one phase, by row: (H, tx). [DN]
     """
 
-    __slots__ = ("columns", "rows", "squares", "totals")
+    __slots__ = ("_scratch", "columns", "rows", "squares", "totals")
 
     def __init__(self, shape: tuple[int, int], tile: tuple[int, int]) -> None:
         self.totals = np.zeros(tile, np.int64)
         self.squares: Array = np.zeros(tile, np.int64)
         self.columns: Array = np.zeros((tile[0], shape[1]), np.int64)
         self.rows: Array = np.zeros((shape[0], tile[1]), np.int64)
+        narrow = (np.zeros((tile[0], shape[1] // 2), np.int32) for _ in range(2))
+        self._scratch = (*narrow, np.zeros(6, np.int64))
 
     def add(self, a: Integer[Array, "n w"], b: Integer[Array, "n w"], first_row: int) -> None:
         """Add the rows from ``first_row`` on.
@@ -62,8 +65,7 @@ class PairSums:
         first_row
             Number of the first of these rows in the frame.
         """
-        kind = np.result_type(a, b)
-        a, b = (_codes(block.astype(kind, copy=False)) for block in (a, b))
+        a, b = _codes(a, b)
         for start in range(0, a.shape[0], _MOST_ROWS):
             part = slice(start, start + _MOST_ROWS)
             self._add(a[part], b[part], first_row + start)
@@ -71,25 +73,12 @@ class PairSums:
     def _add(self, a: Integer[Array, "n w"], b: Integer[Array, "n w"], first_row: int) -> None:
         tile, (height, width) = self.totals.shape, a.shape
         rows = self.rows[first_row : first_row + height]
-        sums = (self.totals, self.squares)
-        if not (a.dtype == np.uint16 and width % 2 == 0 and tile[1] in (1, 2, 4, 6) and _LOW_FIRST):
-            _add_pair(a, b, height, width, first_row, *tile, *sums, self.columns, rows)
-            return
-        of_columns = [np.zeros((tile[0], width // 2), np.int32) for _ in range(2)]
-        pair = (one.view(np.uint32) for one in (a, b))
-        _add_word_pair(
-            *pair,
-            height,
-            width // 2,
-            first_row,
-            *tile,
-            *sums,
-            *of_columns,
-            rows,
-            np.zeros(6, np.int64),
-        )
-        for half, part in enumerate(of_columns):
-            self.columns[:, half::2] += part
+        sums = (self.totals, self.squares, self.columns, rows)
+        if a.dtype == np.uint16 and width % 2 == 0 and tile[1] in (1, 2, 4, 6) and _LOW_FIRST:
+            a, b = a.view(np.uint32), b.view(np.uint32)
+            _add_word_pair(a, b, height, width // 2, first_row, *tile, *sums, *self._scratch)
+        else:
+            _add_pair(a, b, height, width, first_row, *tile, *sums)
 
 
 SIGNAL_BINS = 2048
@@ -149,20 +138,23 @@ class ScaledPairSums(PairSums):
                 )
 
 
-def add_plane(rows: Integer[Array, "n w"], first: int, step: int, total: Array) -> None:
-    """Add every ``step``-th value from ``first`` on of rows to ``total`` (n, m).
+def add_plane(
+    block: Integer[Array, "n w"], number: int, tile: tuple[int, int], total: Array
+) -> None:
+    """Add a plane of whole periods of the mosaic to ``total``, from its first row on.
 
     Parameters
     ----------
-    rows
-        Codes; (n, w). [DN]
-    first, step
-        The first column, and the distance of the columns. [px]
+    block
+        Rows of a frame. [DN]
+    number
+        Of the plane, in the order of the pixels of a period.
     total
         Changed in place. [DN]
     """
-    rows = _codes(rows)
-    _add_plane(rows, first, step, total, *total.shape, rows.shape[1])
+    (block,) = _codes(block)
+    (y, x), stored = divmod(number, tile[1]), block.shape[1]
+    _add_plane(block, y * stored + x, tile[1], total, *total.shape, tile[0] * stored)
 
 
 def difference_rests(
@@ -175,27 +167,29 @@ def difference_rests(
     a, b
         Codes. [DN]
     """
-    kind = np.result_type(a, b)
-    a, b = (_codes(part.astype(kind, copy=False)) for part in (a, b))
+    a, b = _codes(a, b)
     rests = np.empty(a.shape, np.float32)
     scratch = (np.empty(a.shape[1]), np.empty(a.shape[2], np.int64), np.empty(a.shape[2]))
     _difference_rests(a, b, *a.shape, rests, *scratch)
     return rests
 
 
-def product_sum(u: Float[Array, "m n"], v: Float[Array, "m n"], down: int, right: int) -> float:
-    """Sum of u[y, x] v[y + down, x + right] over all places that both have, by columns.
+def neighbor_products(
+    rests: Float[Array, "p m n"],
+) -> tuple[Float[Array, "p p"], Float[Array, " p"], Float[Array, " p"]]:
+    """Sums of products over each two planes, and over the neighbors in rows, and in columns.
 
     Parameters
     ----------
-    u, v
+    rests
         In float32.
-    down, right
-        At least 0. [px]
     """
-    sums = np.zeros(u.shape[1] - right)
-    _add_products(u, v, *u.shape, down, right, sums)
-    return float(sums.sum())
+    planes, _, columns = rests.shape
+    sums = [np.zeros((planes, planes, columns)), np.zeros((planes, columns - 1))]
+    sums += [np.zeros((planes, columns))]
+    _add_products(rests, *rests.shape, *sums)
+    products, right, down = (one.sum(axis=-1) for one in sums)
+    return np.tril(products) + np.tril(products, -1).T, right, down
 
 
 WIDE, WIDER = 7, 11
@@ -204,46 +198,74 @@ SMOOTHED = WIDE + WIDER + 1
 WEIGHT = float((4 * WIDE * WIDER) ** 2)  # all weights of the smoothing together
 
 
-def high_passed_variance(image: Integer[Array, "h w"]) -> tuple[float, tuple[int, int]]:
-    """Variance of an image minus its smoothed copy, without the borders; its rows and columns.
-
-    Parameters
-    ----------
-    image
-        Integers below 2^36; at least `SMOOTHED` rows and columns.
-
-    Notes
-    -----
-    The smoothing is that of EMVA 1288, release 4.0, by running sums. Sums of integers below 2^53
-    are exact in float64.
-    """
-    inner = (image.shape[0] - SMOOTHED + 1, image.shape[1] - SMOOTHED + 1)
-    sums, squares = np.zeros(inner[1]), np.zeros(inner[1])
-    scratch = [np.zeros((rows, image.shape[1]), np.int64) for rows in (WIDER, 3, 1, 1, 1, 2)]
-    _add_high_passed(np.ascontiguousarray(image), *image.shape, sums, squares, *scratch)
-    count = inner[0] * inner[1]
-    variance = (squares.sum() - sums.sum() ** 2 / count) / (count - 1)
-    return max(float(variance), 0.0) / WEIGHT**2, inner
-
-
 _MOST_BINS = 1 << 22
 
 
-def value_counts(
-    image: Integer[Array, "h w"],
-) -> tuple[Integer[Array, "values"], Integer[Array, "values"]]:
-    """The different values of an image, in increasing order, and how many pixels have each.
+class PatternSums:
+    """Counts of the values of a picture whose rows come in turn, and its high-passed variance.
 
     Parameters
     ----------
-    image
-        Integers.
+    shape
+        Rows and columns of the picture. [px]
+    kind
+        Type of its integers, which are below 2^36.
+    border
+        Rows and columns at each side that are not in the inner part: half of `SMOOTHED` for a
+        picture that is high-passed; else 0.
     """
-    least = int(image.min())
-    bins = int(image.max()) - least + 1
-    if bins > _MOST_BINS:
-        return np.unique(image, return_counts=True)
-    counts = np.zeros(bins, np.int64)
-    _add_counts(np.ascontiguousarray(image), image.size, least, counts)
-    found = np.flatnonzero(counts)
-    return found + least, counts[found]
+
+    def __init__(self, shape: tuple[int, int], kind: np.dtype, border: int) -> None:
+        self._shape, self._border, self._first = shape, border, 0
+        self._rows: Array = np.zeros((border, shape[1]), kind)
+        self._counts: list[Array] = []
+        self._sums = np.zeros((2, shape[1] - 2 * border))
+        self._scratch = [np.zeros((rows, shape[1]), np.int64) for rows in (WIDER, 3, 1, 1, 1, 1)]
+
+    def zeros(self, rows: int) -> Integer[Array, "rows w"]:
+        """The next rows of the picture, in which the caller sums frames before `add`."""
+        before = self._rows[len(self._rows) - self._border :]
+        self._rows = np.concatenate([before, np.zeros((rows, self._shape[1]), before.dtype)])
+        return self._rows[self._border :]
+
+    def add(self) -> None:
+        """Add the rows that `zeros` returned."""
+        border, first, rows = self._border, self._first, self._rows[self._border :]
+        if border:
+            where = (self._first, *rows.shape)
+            _add_high_passed(self._rows, *where, *self._sums, *self._scratch)
+        self._first += len(rows)
+        least = int(rows.min())
+        bins = int(rows.max()) - least + 1
+        if bins > _MOST_BINS:
+            values, places = np.unique(rows, return_inverse=True)
+            rows, least, bins = places.reshape(rows.shape), 0, values.size
+        else:
+            values = np.arange(least, least + bins)
+        counts = np.zeros((2, bins), np.int64)
+        inner = (border - first, self._shape[0] - border - first)
+        _add_counts(rows, *rows.shape, *inner, border, least, counts, bins)
+        counts[0] += counts[1]
+        self._counts.append(np.vstack([values, counts])[:, counts[0] > 0])
+
+    @property
+    def counts(self) -> Integer[Array, "3 values"]:
+        """The different values in increasing order; how many pixels, and inner ones, have each."""
+        found, *counts = np.hstack(self._counts)
+        values, places = np.unique(found, return_inverse=True)
+        every = (np.bincount(places, own).astype(np.int64) for own in counts)
+        return np.stack([values, *every])
+
+    @property
+    def high_passed(self) -> tuple[float, tuple[int, int]]:
+        """Variance of the picture minus its smoothed copy, without the borders; rows and columns.
+
+        Notes
+        -----
+        The smoothing is that of EMVA 1288, release 4.0, by running sums. Sums of integers below
+        2^53 are exact in float64.
+        """
+        inner = (self._shape[0] - 2 * self._border, self._shape[1] - 2 * self._border)
+        count, (total, squares) = inner[0] * inner[1], self._sums.sum(axis=1)
+        variance = (squares - total**2 / count) / (count - 1)
+        return max(float(variance), 0.0) / WEIGHT**2, inner

@@ -359,6 +359,8 @@ def _as_c(argument: Any) -> Any:
         return ctypes.c_int64(argument)
     if not argument.flags.c_contiguous:
         raise ValueError("arrays of stored kernels must be contiguous")
+    if argument.flags.writeable and argument.size:  # three times faster
+        return ctypes.byref(ctypes.c_char.from_buffer(argument))  # type: ignore[arg-type]
     return ctypes.c_void_p(argument.__array_interface__["data"][0])
 
 

@@ -643,7 +643,9 @@ class CameraNoise:
             gain_range_dn_per_e=None,
         )
 
-    def draw_settings(self, rng: np.random.Generator, *, iso: float | None = None) -> "CameraNoise":
+    def draw_settings(
+        self, rng: "np.random.Generator", *, iso: float | None = None
+    ) -> "CameraNoise":
         """The camera at the settings of one item: gain, noises about their laws, shape, offsets.
 
         Parameters

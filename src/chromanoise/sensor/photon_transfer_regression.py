@@ -150,7 +150,7 @@ def _refuse_odd_darks(table: PhotonTransfer) -> None:
         )
     if table.time_ms is None or not table.dark.any():
         return
-    times = np.unique(table.time_ms[table.dark])
+    times = np.sort(table.time_ms[table.dark])
     off = np.abs(times[nearest(times, table.time_ms)] - table.time_ms)
     alone = off > SAME_TIME * table.time_ms
     if alone.any():
@@ -461,7 +461,9 @@ def weighted_fit(levels: Levels, *, bend: bool) -> Regression | None:
         found = _lever(design, 1 / np.sqrt(_level_error2(levels, expected, values)))
         if found is None or not abs(float(found[levels.slope_at] @ levels.y)) < _LARGEST_SLOPE:
             return None
-        lever, values = found, found @ levels.y
+        before, lever, values = values, found, found @ levels.y
+        if np.array_equal(values, before):
+            break
         expected = np.maximum(design @ values + dark, least)
     error2 = _level_error2(levels, expected, values)
     free = len(levels) - values.size
@@ -527,7 +529,9 @@ def _measured_rounding_error2(measured_dn2: Array) -> Array:
     """`rounding_error2` of a measured variance, for the smallest true one that may give it."""
     least = measured = np.maximum(measured_dn2 - ROUNDING_DN2, 0.0)
     for _ in range(_ROUNDS):
-        least = np.maximum(measured - _rounding_dn2(least), 0.0)
+        before, least = least, np.maximum(measured - _rounding_dn2(least), 0.0)
+        if np.array_equal(least, before):
+            break
     return rounding_error2(least)
 
 

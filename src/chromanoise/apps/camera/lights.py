@@ -23,6 +23,7 @@ from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, refuse_few, re
 from chromanoise.sensor import LEAST_DARK_DN2, SAME_TIME, PhotonTransfer
 
 _MOST_BYTES = 400_000_000  # of frames that threads keep in memory
+_KEPT_BYTES = 31 << 20  # the largest that changes what glibc keeps
 _FEWEST_STEPS = 8  # codes between the lowest and highest, from which a step is concluded
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
@@ -191,6 +192,9 @@ def in_threads(
     """The results of a function of the frames of each group, in turn, computed on all cores."""
     bytes_each = 8 * math.prod(groups[0][0].shape)
     workers = max(1, min(os.cpu_count() or 1, _MOST_BYTES // bytes_each))
+    # glibc keeps freed memory up to twice the largest array that was freed: with more of it, the
+    # arrays of each group need no new pages
+    np.empty(_KEPT_BYTES, np.uint8)
     pool = ThreadPoolExecutor(workers)
     try:
         yield from pool.map(function, groups)

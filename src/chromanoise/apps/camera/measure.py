@@ -48,12 +48,11 @@ from chromanoise.apps.camera.statistics import (
     FixedPattern,
     LightSample,
     PlaneSample,
-    fixed_pattern,
+    fixed_patterns,
     hot_pixels,
     light_sample,
     mean_shared,
     spatial_variance,
-    summed,
 )
 from chromanoise.base import Array, Float, InputError, __version__, inputs, plain, write_whole
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, read_frame_set
@@ -463,8 +462,8 @@ def _patterns(lights: Lights, middles: Sequence[FrameLevel]) -> Patterns:
     def of_planes(group: tuple[RawFrame, ...]) -> dict[tuple[Key, int], FixedPattern]:
         key = key_of(group)
         averaged = group[: _MOST_SPATIAL if key in series else _MOST_AVERAGED]
-        totals = summed(averaged, lights.tile)
-        return {(key, i): fixed_pattern(totals[i], len(averaged)) for i in wanted[key][1]}
+        patterns = fixed_patterns(averaged, lights.tile, sorted(wanted[key][1]))
+        return {(key, i): pattern for i, pattern in patterns.items()}
 
     found: dict[tuple[Key, int], FixedPattern] = {}
     for patterns in in_threads(of_planes, [group for group, _ in wanted.values()]):

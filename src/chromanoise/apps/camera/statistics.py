@@ -13,7 +13,7 @@ DSNU, PRNU and hot pixels of a plane come from sums of frames (EMVA 1288).
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -22,12 +22,11 @@ from chromanoise.base import Array, Float, InputError, Integer, check
 from chromanoise.imaging import (
     SMOOTHED,
     PairSums,
+    PatternSums,
     ScaledPairSums,
     add_plane,
     difference_rests,
-    high_passed_variance,
-    product_sum,
-    value_counts,
+    neighbor_products,
 )
 from chromanoise.io.frames import RawFrame
 
@@ -95,7 +94,7 @@ class PlaneSample:
     @property
     def mean_dn(self) -> float:
         """Mean over all frames. [DN]"""
-        return float(np.mean(self.frame_means_dn))
+        return float(np.add.reduce(self.frame_means_dn)) / len(self.frame_means_dn)
 
     @property
     def drift_z(self) -> float:
@@ -289,17 +288,17 @@ def _added(
     """Add each two consecutive frames to their sums; rows in the middle of the first two frames."""
     shape = _whole_cells(frames[0], tile)
     middle = _band_rows(shape, tile)
-    parts: tuple[list[Array], list[Array]] = ([], [])
+    bands: tuple[list[Array], list[Array]] = ([], [])
     for start, blocks in _blocks(frames, shape, tile):
-        before = next(blocks)
         inside = slice(max(middle.start - start, 0), max(middle.stop - start, 0))
-        parts[0].append(before[inside].copy())
-        for pair, block in zip(sums, blocks, strict=True):
-            pair.add(before, block, start)
-            if pair is sums[0]:
-                parts[1].append(block[inside].copy())
+        before = None
+        for number, block in enumerate(blocks):
+            if before is not None:
+                sums[number - 1].add(before, block, start)
+            if number < 2 and block[inside].size:
+                bands[number].append(np.stack(planes_of(block[inside], tile)))
             before = block
-    first, second = (np.stack(planes_of(np.concatenate(part), tile)) for part in parts)
+    first, second = (np.concatenate(band, axis=1) for band in bands)
     return first, second
 
 
@@ -314,34 +313,6 @@ def independent_pairs(frames: int) -> float:
     (1.0, 2.25)
     """
     return 2 * (frames - 1) ** 2 / (3 * frames - 4)
-
-
-def summed(frames: Sequence[RawFrame], tile: tuple[int, int]) -> list[Integer[Array, "h w"]]:
-    """The sum of the codes of at most 2^15 frames, one picture for each plane. [DN]
-
-    Parameters
-    ----------
-    frames, tile
-        As `light_sample`.
-
-    Raises
-    ------
-    InputError
-        If a frame cannot be read.
-    """
-    shape = _whole_cells(frames[0], tile)
-    cells = (shape[0] // tile[0], shape[1] // tile[1])
-    totals: list[Array] = []  # in several arrays, whose memory is used again
-    for start, blocks in _blocks(frames, shape, tile):
-        row = start // tile[0]
-        for block in blocks:
-            if not totals:
-                kind = np.int32 if block.dtype.itemsize <= 2 else np.int64
-                totals = [np.zeros(cells, kind) for _ in range(math.prod(tile))]
-            for i, total in enumerate(totals):
-                of_plane = block[i // tile[1] :: tile[0]]
-                add_plane(of_plane, i % tile[1], tile[1], total[row : row + of_plane.shape[0]])
-    return totals
 
 
 def planes_of(image: Array, tile: tuple[int, int]) -> list[Array]:
@@ -410,9 +381,8 @@ def _mean_squares(sums: PairSums) -> Float[Array, "3 p"]:
 
 def _step(codes: Integer[Array, "m n"], bottom: int) -> int:
     """Greatest common divisor of the codes minus the smallest."""
-    away = np.ravel(codes).astype(np.int64) - bottom
-    few = int(np.gcd.reduce(away[:_FEW_PIXELS]))
-    return few if few == 1 else int(np.gcd.reduce(away))
+    few = int(np.gcd.reduce(codes.ravel()[:_FEW_PIXELS].astype(np.int64) - bottom))
+    return few if few == 1 else int(np.gcd.reduce(codes.ravel().astype(np.int64) - bottom))
 
 
 def _band_rows(shape: tuple[int, int], tile: tuple[int, int]) -> slice:
@@ -439,18 +409,13 @@ def _correlations(
     rests
         Rows in the middle of a difference, row and column means subtracted.
     """
-    planes, rows, columns = rests.shape
-    products = np.empty((planes, planes))
-    for i in range(planes):
-        for j in range(i + 1):
-            products[i, j] = products[j, i] = product_sum(rests[i], rests[j], 0, 0)
+    _, rows, columns = rests.shape
+    products, right, down = neighbor_products(rests)
     squares = np.diag(products) / (rows * columns)
     squares = np.where(squares > 0, squares, 1.0)
-    right = np.array([product_sum(rest, rest, 0, 1) for rest in rests]) / (rows * (columns - 1))
-    down = np.array([product_sum(rest, rest, 1, 0) for rest in rests]) / ((rows - 1) * columns)
     return (  # the subtracted means correlate neighbors by -1 / (n - 1)
-        right / squares + 1 / (columns - 1),
-        down / squares + 1 / (rows - 1),
+        right / (rows * (columns - 1)) / squares + 1 / (columns - 1),
+        down / ((rows - 1) * columns) / squares + 1 / (rows - 1),
         products / (2 * (rows - 1) * (columns - 1)),
     )
 
@@ -558,8 +523,8 @@ class FixedPattern:
     high_passed
         Variance of the sum minus its smoothed copy, and the rows and columns of what is left
         without the borders; ``None`` below 64 pixels. [DN^2], [px]
-    inner
-        Mean and variance of the sum without these borders. [DN], [DN^2]
+    inner_counts
+        As ``counts``, without these borders. [1]
     """
 
     frames: int
@@ -567,41 +532,74 @@ class FixedPattern:
     values: Integer[Array, "n"]
     counts: Integer[Array, "n"]
     high_passed: tuple[float, tuple[int, int]] | None
-    inner: tuple[float, float]
+    inner_counts: Integer[Array, "n"]
 
     @property
     def mean(self) -> float:
         """Mean of the pixels. [DN]"""
-        return float(self.values @ self.counts) / math.prod(self.shape)
+        return _moments(self.values, self.counts)[0]
 
     @property
     def variance(self) -> float:
         """Variance of the pixels. [DN^2]"""
-        return float(self.counts @ (self.values - self.mean) ** 2) / (math.prod(self.shape) - 1)
+        return _moments(self.values, self.counts)[1]
+
+    @property
+    def inner(self) -> tuple[float, float]:
+        """Mean and variance of the pixels without the borders. [DN], [DN^2]"""
+        return _moments(self.values, self.inner_counts)
 
 
-def fixed_pattern(total: Integer[Array, "h w"], frames: int) -> FixedPattern:
-    """What is needed of a sum of frames.
+def _moments(values: Integer[Array, "n"], counts: Integer[Array, "n"]) -> tuple[float, float]:
+    pixels = int(counts.sum())
+    mean = float(values @ counts) / pixels
+    return mean, float(counts @ (values - mean) ** 2) / (pixels - 1)
+
+
+def fixed_patterns(
+    frames: Sequence[RawFrame], tile: tuple[int, int], planes: Iterable[int]
+) -> dict[int, FixedPattern]:
+    """What is needed of the sum of at most 2^15 frames, by the number of the plane.
 
     Parameters
     ----------
-    total
-        Sum of the frames of one light, one plane. [DN]
-    frames
-        Their number. [1]
+    frames, tile
+        As `light_sample`.
+    planes
+        Numbers of the planes that are wanted.
+
+    Raises
+    ------
+    InputError
+        If a frame cannot be read.
     """
-    values, counts = value_counts(total)
-    high_passed = high_passed_variance(total) if min(total.shape) >= LEAST_SIDE else None
-    border = SMOOTHED // 2 if high_passed else 0
-    inside = total[border : total.shape[0] - border, border : total.shape[1] - border]
-    return FixedPattern(
-        frames=frames,
-        shape=total.shape,
-        values=values,
-        counts=counts,
-        high_passed=high_passed,
-        inner=(float(inside.mean()), float(inside.var(ddof=1))),
-    )
+    shape = _whole_cells(frames[0], tile)
+    cells = (shape[0] // tile[0], shape[1] // tile[1])
+    border = SMOOTHED // 2 if min(cells) >= LEAST_SIDE else 0
+    sums: dict[int, PatternSums] = {}
+    for _, blocks in _blocks(frames, shape, tile):
+        totals: dict[int, Array] = {}
+        for block in blocks:
+            if not sums:
+                kind = np.dtype(np.int32 if block.dtype.itemsize <= 2 else np.int64)
+                sums = {i: PatternSums(cells, kind, border) for i in planes}
+            totals = totals or {i: one.zeros(len(block) // tile[0]) for i, one in sums.items()}
+            for i, total in totals.items():
+                add_plane(block, i, tile, total)
+        for one in sums.values():
+            one.add()
+    found = {}
+    for i, one in sums.items():
+        values, counts, inner_counts = one.counts
+        found[i] = FixedPattern(
+            frames=len(frames),
+            shape=cells,
+            values=values,
+            counts=counts,
+            high_passed=one.high_passed if border else None,
+            inner_counts=inner_counts,
+        )
+    return found
 
 
 def spatial_variance(

@@ -77,12 +77,13 @@ class StoredPlane:
             As the call.
         """
         memory = np.empty((min(rows, self.shape[0]), self.shape[1]), self.stored)
+        native = self.stored.newbyteorder("=")
         with self._opened() as file:
             for start in range(0, self.shape[0], rows):
                 block = memory[: self.shape[0] - start]
                 if file.readinto(block) != block.nbytes:  # type: ignore[attr-defined]
                     raise self._of_other_size(self.path.stat().st_size)
-                yield whole_codes(str(self.path), block)
+                yield block.astype(native, copy=False)
 
     def values(self) -> Shaped[Array, "h w"]:
         """The numbers in the file, before they are checked.
