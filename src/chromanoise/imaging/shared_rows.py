@@ -13,13 +13,16 @@ import errno
 import math
 import os
 import sys
+from _thread import start_new_thread
+from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
@@ -272,50 +275,57 @@ def made(
 def filled(
     fill: FillBlock, plan: Any, blocks: list[Block], outputs: tuple[Array, ...], work: Work
 ) -> list[Any]:
-    """Fill the rows of ``outputs`` by threads of this process; else as `made`."""
-    threads = threads_of(work)
-    scratch = Scratch()
-    size = max(1, min(_HANDFUL, len(blocks) // (_HANDFULS * threads)))
-    handfuls = {blocks[i][0]: blocks[i : i + size] for i in range(0, len(blocks), size)}
+    """Fill the rows of ``outputs`` by this thread and others beside it; else as `made`."""
+    threads = 1 if sys.platform == "wasi" else threads_of(work)
+    scratch, size = Scratch(), max(1, min(_HANDFUL, len(blocks) // (_HANDFULS * threads)))
+    handfuls = [blocks[i : i + size] for i in range(0, len(blocks), size)]
+    turns, ended = iter(handfuls), deque[int]()
+    counts: dict[int, list[Any]] = {}
+    errors: dict[int, BaseException] = {}
 
-    def here(first: int, _: int) -> list[Any]:
-        counts = [
-            fill(plan, start, stop, scratch, *(out[start:stop] for out in outputs))
-            for start, stop in handfuls[first]
-        ]
-        for out in outputs:
-            release(out)
-        return counts
+    def here(tell: Callable[[], object]) -> None:
+        for some in turns:
+            first = some[0][0]
+            try:
+                counts[first] = [
+                    fill(plan, start, stop, scratch, *(out[start:stop] for out in outputs))
+                    for start, stop in some
+                ]
+                for out in outputs:
+                    release(out)
+                ended.append(some[-1][1] - first)
+                tell()
+            except BaseException as error:
+                errors[first] = error
+            if errors:
+                return
 
-    pool = _AtOnce() if sys.platform == "wasi" else ThreadPoolExecutor(threads)
+    def told() -> None:
+        while work.progress and ended:
+            work.progress(ended.popleft())
+
+    def beside() -> None:
+        here(lambda: None)
+        left.put(None)
+
+    left, others = SimpleQueue[None](), 0
     try:
-        spans = [(first, some[-1][1]) for first, some in handfuls.items()]
-        nested = _in_order(partial(_submitted, pool, here), spans, work, 2 * threads)
-        return [counts for handful in nested for counts in handful]
+        while others < min(threads, len(handfuls)) - 1:
+            start_new_thread(beside, ())  # `Thread` would wait until it runs
+            others += 1
+        here(told)
     finally:
-        pool.shutdown(cancel_futures=True)
-
-
-class _AtOnce(Executor):
-    """Work that is done when it is submitted, on systems without threads."""
-
-    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> "Future[Any]":
-        future: Future[Any] = Future()
-        try:
-            future.set_result(function(*given, **named))
-        except Exception as error:
-            future.set_exception(error)
-        return future
+        deque(turns, maxlen=0)  # after an interruption the others end, too
+        for _ in range(others):
+            left.get()
+    if errors:  # the first in order, whatever the timing
+        raise errors[min(errors)]
+    told()
+    return [one for some in handfuls for one in counts[some[0][0]]]
 
 
 Submit = Callable[[int, int], tuple["Future[Any]", Callable[[Any], Any]]]
 """A function from a block to its future, and to a function that handles its result here."""
-
-
-def _submitted(
-    pool: Executor, here: Callable[[int, int], Any], start: int, stop: int
-) -> tuple["Future[Any]", Callable[[Any], Any]]:
-    return pool.submit(here, start, stop), lambda counts: counts
 
 
 def _sent(
