@@ -120,14 +120,14 @@ def shuffled(builder, a, b, lanes):
     return builder.shuffle_vector(a, b, mask)
 
 
-def folded(builder, vectors):
+def folded(builder, vectors, lanes=LANES):
     """Each vector's lanes to one sum, halves onto halves: as many sums as vectors, 1 or 4."""
-    apart = LANES  # lanes of each sum that remain to be added
+    apart = lanes  # lanes of each sum that remain to be added
     count = len(vectors)
     while len(vectors) > 1:
         apart //= 2
-        first = [lane for lane in range(LANES) if not lane & apart]
-        lower = first + [LANES + lane for lane in first]
+        first = [lane for lane in range(lanes) if not lane & apart]
+        lower = first + [lanes + lane for lane in first]
         upper = [lane + apart for lane in lower]
         vectors = [
             builder.fadd(shuffled(builder, a, b, lower), shuffled(builder, a, b, upper))
@@ -136,9 +136,9 @@ def folded(builder, vectors):
     (total,) = vectors
     while apart > 1:
         apart //= 2
-        order = [lane ^ apart for lane in range(LANES)]
+        order = [lane ^ apart for lane in range(lanes)]
         total = builder.fadd(total, shuffled(builder, total, total, order))
-    sums = [LANES // count * c for c in range(count)]
+    sums = [lanes // count * c for c in range(count)]
     return shuffled(builder, total, total, sums)
 
 

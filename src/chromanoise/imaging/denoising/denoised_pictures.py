@@ -78,9 +78,9 @@ def _denoised_strip(
     if reach is None:
         out[:] = plan.method.denoise(plan.planes)
         return
-    first = max(0, (start - reach) // grid * grid)
-    last = min(plan.planes.values_e.shape[0], stop + reach)
-    out[:] = plan.method.denoise(plan.planes.rows(first, last))[start - first : stop - first]
+    planes = plan.planes.rows(start, stop, reach_px=reach, grid_px=grid)
+    assert planes.needed is not None
+    out[:] = plan.method.denoise(planes)[slice(*planes.needed)]
 
 
 _NEIGHBORS = 0.95

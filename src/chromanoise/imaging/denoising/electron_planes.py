@@ -37,6 +37,9 @@ class NoisyPlanes:
         Mean of the planes over typical scenes. [e-]
     names
         Names of the planes.
+    needed
+        First row whose estimate is needed, and the row after the last; all if ``None``. A method
+        may leave out the work for the others.
 
     Raises
     ------
@@ -49,6 +52,7 @@ class NoisyPlanes:
     prior_e2: Float[Array, "p p"]
     prior_mean_e: Float[Array, " p"]
     names: tuple[str, ...]
+    needed: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.values_e).all():
@@ -84,15 +88,19 @@ class NoisyPlanes:
         """
         return self.law.variance_e2(np.maximum(mean_e, 0.0))
 
-    def rows(self, start: int, stop: int) -> "NoisyPlanes":
-        """The planes of the rows ``start`` to ``stop``.
+    def rows(self, start: int, stop: int, *, reach_px: int, grid_px: int) -> "NoisyPlanes":
+        """The planes of rows that are needed, and of those that a method reads for them.
 
         Parameters
         ----------
-        stop
-            Row after the last.
+        start, stop
+            First row, and the row after the last.
+        reach_px, grid_px
+            As `DenoisingMethod` has them.
         """
-        return replace(self, values_e=self.values_e[start:stop])
+        first = max(0, (start - reach_px) // grid_px * grid_px)
+        part = self.values_e[first : stop + reach_px]
+        return replace(self, values_e=part, needed=(start - first, stop - first))
 
     @property
     def noise_unit_e(self) -> Float[Array, " p"]:
@@ -225,7 +233,8 @@ class DenoisingMethod:
     what
         One or two sentences for users.
     denoise
-        The function. It depends on rows and columns only through multiples of ``grid_px``.
+        The function. It depends on rows and columns only through multiples of ``grid_px``. Rows of
+        its result that are not needed may hold anything.
     reach_px
         Largest number of rows between a value and the values on which it depends; ``None`` if it
         depends on the whole picture, which is then not cut into strips. [pixels]
@@ -369,6 +378,8 @@ def deviations_from_dark(mean_e: Float[Array, "*px p"], law: VarianceLaw) -> Flo
     mean = np.asarray(mean_e, dtype=np.float64)
     k, dark = np.sqrt(law.square), np.sqrt(law.floor_e2)
     both = np.sqrt(np.maximum(law.variance_e2(mean), 0.0)) + dark
+    if not k.any():
+        return np.asarray(2.0 * mean / both)
     some = np.where(k > 0, k, 1.0)
     u = 2.0 * mean * (some + (law.slope_e + some**2 * mean) / both)
     bent = np.log1p(some * u / (2.0 * some * dark + law.slope_e)) / some

@@ -24,6 +24,7 @@ rotation of the planes for each group, the number of patches, and the limit of t
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -37,7 +38,7 @@ from chromanoise.imaging.denoising.electron_planes import (
     deviations_from_dark,
     with_raised_floor,
 )
-from chromanoise.imaging.denoising.guided import USUAL, WIDE, guided_estimate
+from chromanoise.imaging.denoising.guided import GUIDED, USUAL, WIDE, guided_estimate
 from chromanoise.sensor import VarianceLaw
 
 _RADII = (8, 7, 6, 4)
@@ -82,7 +83,8 @@ def patches_estimate(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     noisy = planes.law.has_noise
     out = np.array(planes.values_e, np.float32)
     if noisy.any() and out.size:
-        out[..., noisy] = _estimate(planes if noisy.all() else _chosen(planes, noisy))
+        rows = slice(*(planes.needed or (0, len(out))))
+        out[rows, :, noisy] = _estimate(planes if noisy.all() else _chosen(planes, noisy))
     return out
 
 
@@ -94,6 +96,7 @@ def _chosen(planes: NoisyPlanes, which: Array) -> NoisyPlanes:
         prior_e2=planes.prior_e2[np.ix_(which, which)],
         prior_mean_e=planes.prior_mean_e[which],
         names=tuple(name for name, wanted in zip(planes.names, which, strict=True) if wanted),
+        needed=planes.needed,
     )
 
 
@@ -105,16 +108,55 @@ def _estimate(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     while len(pyramid) < _LEVELS and min(pyramid[-1].shape[:2]) >= 2 * SIDE:
         pyramid.append(_halved(pyramid[-1]))
     axes = planes.components()[0]
+    spans = [planes.needed or (0, height)]  # rows of a level that the finer one needs
+    for finer, picture in pairwise(pyramid):
+        start, stop = _with_beside(spans[-1], len(finer))
+        spans.append((start // 2, min(stop // 2, len(picture))))
     coarse = None
-    for level in reversed(range(len(pyramid))):
-        noisy = np.ascontiguousarray(pyramid[level], np.float32)
-        first, _ = _groups(planes, noisy, noisy, axes, level, is_pilot=False)
-        fine, active = _groups(planes, noisy, first, axes, level, is_pilot=True)
-        if coarse is not None:
+    for level, (noisy, span) in reversed(list(enumerate(zip(pyramid, spans, strict=True)))):
+        if coarse is None:
+            coarse, _ = _of_level(planes, noisy, axes, level, span)
+        else:
+            start, stop = rows = _with_beside(span, len(noisy))
+            fine, active = _of_level(planes, noisy, axes, level, rows)
             fine = _with_low_frequencies(planes, fine, active, coarse, axes, level)
-        coarse = fine
+            coarse = fine[span[0] - start : span[1] - start]
     assert coarse is not None
-    return coarse[:height, :width]
+    return coarse[:, :width]
+
+
+def _with_beside(rows: tuple[int, int], height: int) -> tuple[int, int]:
+    """Rows, and those beside them whose estimate has a part in their low frequencies."""
+    beside = 2 * (_BESIDE + len(_CUBIC) // 2)
+    start, stop = max(0, rows[0] // 2 * 2 - beside), -(-rows[1] // 2) * 2 + beside
+    return start, min(height, stop)
+
+
+def _of_level(
+    planes: NoisyPlanes,
+    picture: Float32[Array, "h w p"],
+    axes: Float[Array, "p p"],
+    level: int,
+    rows: tuple[int, int],
+) -> tuple[Float32[Array, "r w p"], Float32[Array, "r w"]]:
+    """The estimate of step 2 for some rows, and how much of the patches is signal, 0 to 1."""
+    reach = _group_reach_px(level)
+    first, last, start, stop = (
+        edge
+        for px in (2 * reach, reach)
+        for edge in (max(0, (rows[0] - px) // _STRIDE * _STRIDE), min(len(picture), rows[1] + px))
+    )
+    noisy = np.ascontiguousarray(picture[first:last], np.float32)
+    pilot, _ = _groups(planes, noisy, noisy, axes, level, is_pilot=False)
+    inner = slice(start - first, stop - first)
+    fine, active = _groups(planes, noisy[inner], pilot[inner], axes, level, is_pilot=True)
+    inside = slice(rows[0] - start, rows[1] - start)
+    return fine[inside], active[inside]
+
+
+def _group_reach_px(level: int) -> int:
+    """Most rows between a value and those on which it depends by one step. [pixels]"""
+    return 2 * _RADII[level] + SIDE - 1
 
 
 def _groups(
@@ -127,22 +169,24 @@ def _groups(
     is_pilot: bool,
 ) -> tuple[Float32[Array, "h w p"], Float32[Array, "h w"]]:
     """The estimate of a step at a level, and how much of the patches is signal, 0 to 1."""
-    from chromanoise.imaging.denoising.patches_kernels import add_groups  # numba is slow to import
+    from chromanoise.imaging.denoising.patches_kernels import LANES, add_groups  # numba is slow
 
     share = 0.25**level
-    features = _rotated(_stabilized(planes, pilot, share), axes)
     if is_pilot:
         limit = _SIMILAR * PLACES * len(axes)
     else:  # the difference of two noisy patches is chi-squared times 2: its mean and deviation
-        features = features[..., :_FEATURES]
-        freedom = PLACES * features.shape[-1]
+        axes = axes[:, :_FEATURES]
+        freedom = PLACES * axes.shape[1]
         limit = 2.0 * (freedom + math.sqrt(2.0 * freedom))
-    out = np.zeros(noisy.shape, np.float32)
-    weight, active = np.zeros((2, *noisy.shape[:2]), np.float32)
+    features = _rotated(_stabilized(planes, pilot, share), axes)
+    height, width, count = noisy.shape
+    out = np.zeros_like(_in_lines(noisy.reshape(height, -1), LANES))
+    weight, active = np.zeros((2, height * width), np.float32)
     add_groups(
-        noisy,
-        pilot,
-        np.ascontiguousarray(np.moveaxis(features, -1, 0), np.float32),
+        _in_lines(noisy.reshape(height, -1), LANES),
+        _in_lines(pilot.reshape(height, -1), LANES),
+        _in_lines(np.moveaxis(features, -1, 0), LANES),
+        noisy.shape,
         *planes.law.scaled(share).coefficients,
         is_pilot,
         _RADII[level],
@@ -153,7 +197,30 @@ def _groups(
         weight,
         active,
     )
+    out = out[:, : width * count].reshape(noisy.shape)
+    weight, active = (of.reshape(noisy.shape[:2]) for of in (weight, active))
+    weight, active = _of_pixels(weight), _of_pixels(active)
     return out / weight[..., None], active / weight
+
+
+def _in_lines(rows: Float[Array, "*h n"], lanes: int) -> Float32[Array, "*h m"]:
+    """Rows with zeros behind: one vector or more, and an odd number of vectors in all.
+
+    So the same columns of neighboring rows do not compete for the same place in the cache.
+    """
+    count = rows.shape[-1]
+    vectors = (-(-count // lanes) + 1) | 1
+    out = np.zeros((*rows.shape[:-1], vectors * lanes), np.float32)
+    out[..., :count] = rows
+    return out
+
+
+def _of_pixels(patches: Float32[Array, "h w"]) -> Float32[Array, "h w"]:
+    """Sums over the patches that hold each pixel, from a number of each patch at its beginning."""
+    for axis in (0, 1):
+        padded = np.pad(patches, [(SIDE - 1, 0) if i == axis else (0, 0) for i in range(2)])
+        patches = sliding_window_view(padded, SIDE, axis).sum(axis=-1)
+    return patches
 
 
 def _with_low_frequencies(
@@ -237,7 +304,7 @@ def _reach_px() -> int:
     """
     rows = 0
     for level in reversed(range(_LEVELS)):
-        groups = 2 * (2 * _RADII[level] + SIDE - 1)
+        groups = 2 * _group_reach_px(level)
         # 1 for a coarse row that the cut halves, 2 for the interpolation
         low_frequencies = 2 * (max(rows, groups // 2 + _BESIDE) + 1 + 2)
         rows = groups if level == _LEVELS - 1 else max(groups, low_frequencies)
@@ -272,13 +339,17 @@ def aggregate_estimate(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     InputError
         As `patches_estimate`.
     """
-    guided = guided_estimate(planes, USUAL)
     if not planes.law.has_noise.all():
-        return guided
+        return guided_estimate(planes, USUAL)
     if planes.components()[1][0] < LEAST_SNR:
-        wide = guided_estimate(planes, WIDE)
-        return _HALF * guided + _HALF * wide
-    return _HALF * guided + _HALF * patches_estimate(planes)
+        return _HALF * guided_estimate(planes, USUAL) + _HALF * guided_estimate(planes, WIDE)
+    out = patches_estimate(planes)
+    start, stop = rows = planes.needed or (0, len(out))
+    part = planes.rows(*rows, reach_px=USUAL.reach_px, grid_px=GUIDED.grid_px)
+    assert part.needed is not None
+    guided = guided_estimate(part, USUAL)[slice(*part.needed)]
+    out[start:stop] = _HALF * guided + _HALF * out[start:stop]
+    return out
 
 
 AGGREGATE = DenoisingMethod(
