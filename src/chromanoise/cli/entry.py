@@ -22,7 +22,7 @@ from typing import Any
 
 import click
 
-from chromanoise.base import InputError, __version__, did_you_mean, known_name
+from chromanoise.base import InputError, __version__, did_you_mean, keep_freed_memory, known_name
 from chromanoise.cli import paused_collection
 
 _NEEDS = re.compile(r"([A-Za-z0-9._-]+)[^;]*(?:;.*extra\s*==\s*['\"]([^'\"]+)['\"])?")
@@ -163,6 +163,7 @@ class _Commands(click.Group):
             module = import_module(path)
             if not known:
                 gc.freeze()  # collections pass over what imports created: a seventh of the time
+                keep_freed_memory()
         command = getattr(module, name)
         assert isinstance(command, click.Command)
         return command

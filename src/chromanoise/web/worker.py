@@ -16,7 +16,7 @@ import traceback
 from functools import partial
 from typing import Any, BinaryIO
 
-from chromanoise.base import InputError, exit_after, held_bytes, stopped_after
+from chromanoise.base import InputError, exit_after, held_bytes, keep_freed_memory, stopped_after
 from chromanoise.imaging import watch_compiling
 from chromanoise.web.questions import QuestionError
 from chromanoise.web.services import Services
@@ -85,6 +85,7 @@ def _exit_code(child: int, *, wait_s: float) -> int:
 def _child(services: Services, end: int, memory_bytes: int) -> None:
     with contextlib.suppress(OSError):
         os.setpgid(0, 0)
+    keep_freed_memory()
     bound = _bounded(memory_bytes)
     with socket.socket(fileno=end) as channel:
         reads, writes = channel.makefile("rb"), channel.makefile("wb")

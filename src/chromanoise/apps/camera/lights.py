@@ -18,12 +18,11 @@ from chromanoise.apps.camera.statistics import (
     PlaneSample,
     scaled_sample,
 )
-from chromanoise.base import Array, InputError, Integer
+from chromanoise.base import Array, InputError, Integer, keep_freed_memory
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, refuse_few, refuse_mixed
 from chromanoise.sensor import LEAST_DARK_DN2, SAME_TIME, PhotonTransfer
 
 _MOST_BYTES = 400_000_000  # of frames that threads keep in memory
-_KEPT_BYTES = 31 << 20  # the largest that changes what glibc keeps
 _FEWEST_STEPS = 8  # codes between the lowest and highest, from which a step is concluded
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
@@ -192,9 +191,7 @@ def in_threads(
     """The results of a function of the frames of each group, in turn, computed on all cores."""
     bytes_each = 8 * math.prod(groups[0][0].shape)
     workers = max(1, min(os.cpu_count() or 1, _MOST_BYTES // bytes_each))
-    # glibc keeps freed memory up to twice the largest array that was freed: with more of it, the
-    # arrays of each group need no new pages
-    np.empty(_KEPT_BYTES, np.uint8)
+    keep_freed_memory()
     pool = ThreadPoolExecutor(workers)
     try:
         yield from pool.map(function, groups)
