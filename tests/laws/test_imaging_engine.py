@@ -33,6 +33,7 @@ from chromanoise.noise import (
 )
 from chromanoise.sensor import Adc, Mosaic, adc_to_full_well, bayer, rgbw_sparse_4x4
 from chromanoise.spectra import Cube, cie_a, flat_cube, flat_field
+from chromanoise.spectra.scene_rows import PaletteRows
 from outcomes import refused_input
 from strategies import GRID, bell_qe, pixel_with, sensor_of, with_pixel_of
 
@@ -351,14 +352,14 @@ def test_a_processor_pool_makes_the_same_bits():
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    cube, operating_point = cube_of(stored(40)[0]), used()
-    here = acquired(cube, operating_point, mosaic=bayer(), seed=2)
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        there = acquired(
-            cube, operating_point, mosaic=bayer(), seed=2, work=Work(executor=pool, tile_rows=16)
-        )
-    assert (here.codes == there.codes).all()
-    assert (here.mean_e == there.mean_e).all()
+        for cube in (cube_of(stored(40)[0]), of_few_spectra()[0]):
+            here, there = (
+                acquired(cube, used(), mosaic=bayer(), seed=2, work=work)
+                for work in (Work(), Work(executor=pool, tile_rows=6))
+            )
+            assert (here.codes == there.codes).all()
+            assert (here.mean_e == there.mean_e).all()
 
 
 def test_filters_of_another_mosaic_are_refused():
@@ -463,6 +464,53 @@ def test_bad_pixels_are_taken_as_black_and_counted_where_that_is_asked(layout, m
         assert (got.codes == expected.codes).all()
     assert any("2 pixels held what is no reflectance" in note for note in got.notes)
     assert not any("no reflectance" in note for note in expected.notes)
+
+
+def bits_of(make, cube, channels, **more):
+    got = make(cube, used(channels), **more)
+    if make is electrons_of_cube:
+        return [got.view(np.uint32)]
+    pixels = got.xyz.view(np.uint32) if make is rendered else got.codes
+    return [pixels, got.mean_e, got.above_full_well, np.array(got.notes)]
+
+
+def of_few_spectra(value=0.5):
+    """A cube that has an index for each pixel, and the same with all its numbers."""
+    spectra = stored(1, 40)[0][0]
+    spectra[7, 3] = value
+    index = np.random.default_rng(2).integers(0, 40, (9, 300))
+    return cube_of(PaletteRows(palette=spectra, index=index)), cube_of(spectra[index])
+
+
+@pytest.mark.parametrize(
+    ("make", "channels", "more"),
+    [
+        (rendered, 3, {"clip": True}),
+        (rendered, 4, {"seed": 1}),
+        (rendered, 5, {"noisy": False, "work": Work(threads=2, tile_rows=4)}),
+        (rendered, 3, {"work": Work(threads=2, tile_rows=4)}),
+        (acquired, 3, {"mosaic": bayer(), "seed": 2}),
+        (electrons_of_cube, 1, {}),
+        (electrons_of_cube, 5, {}),
+    ],
+)
+def test_a_scene_of_few_spectra_has_the_bits_of_its_pixels(make, channels, more):
+    few, whole = (bits_of(make, cube, channels, **more) for cube in of_few_spectra())
+    for ours, theirs in zip(few, whole, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_a_scene_of_few_spectra_is_refused_or_mended_like_its_pixels():
+    where = []
+    for cube in of_few_spectra(np.nan):
+        with refused_input(subject=cube.source) as caught:
+            rendered(cube, used())
+        where.append(caught.value.where)
+    assert where[0] == where[1]
+    few, whole = (bits_of(rendered, cube, 3, bad_pixels="zero") for cube in of_few_spectra(np.nan))
+    for ours, theirs in zip(few, whole, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    assert "no reflectance" in few[-1][-1]
 
 
 @pytest.mark.parametrize("width", [1, 3, 4])

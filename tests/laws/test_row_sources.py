@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 
 from chromanoise.spectra import Cube, Grid, RowSource, bands_within, row_source
 from chromanoise.spectra.scene import reflectance_rows
-from chromanoise.spectra.scene_rows import ArrayRows, FileRows, PlaneRows
+from chromanoise.spectra.scene_rows import ArrayRows, FileRows, PaletteRows, PlaneRows
 from outcomes import refused_input
 
 slices = st.builds(
@@ -158,6 +158,17 @@ def test_a_private_map_keeps_its_changes(tmp_path):
     assert row_source(private).rows(0, 1)[0, 0, 0] == 9
     computed = np.memmap(tmp_path / "a", np.uint8, "r", shape=(2, 2, 2)) + np.uint8(5)
     assert row_source(computed).rows(0, 1)[0, 0, 0] == 5
+
+
+def test_a_palette_gives_the_spectrum_of_each_pixel():
+    spectra, index = np.arange(20.0).reshape(4, 5), np.array([[0, 3], [1, 1], [2, 0]], np.uint8)
+    source = PaletteRows(palette=spectra, index=index)
+    assert (source.shape, source.dtype) == ((3, 2, 5), np.float64)
+    np.testing.assert_array_equal(source.rows(1, 3), spectra[index[1:3]])
+    few = source.with_bands(slice(1, 3))
+    np.testing.assert_array_equal(few.rows(0, 3), spectra[index][:, :, 1:3])
+    with refused_input(value=(2, 4)):
+        source.rows(2, 4)
 
 
 def test_planes_of_several_files_are_one_cube(tmp_path):

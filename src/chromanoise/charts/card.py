@@ -47,7 +47,7 @@ from chromanoise.charts.verdicts import matrices_in_words, verdict_of
 from chromanoise.imaging import Work, camera_for
 from chromanoise.imaging.denoising import captured_with
 from chromanoise.noise import conditions, level_in_words, saturated
-from chromanoise.spectra import checker_cube, is_extrapolation_note
+from chromanoise.spectra import checker_cube, is_extrapolation_note, row_source
 from chromanoise.study import (
     QUANTITIES,
     Analysis,
@@ -77,7 +77,8 @@ _BEYOND = 3.0  # of the highest saturation, to the end of the axis
 _MOST_BUDGETS = 3
 _SHOWN = 2  # sensors with a picture; of more than three, also with a budget
 _MOST_WITH_GAINS = 2
-_CROP = np.s_[152:316, 0:240]  # blue, green and red, and white and two grays below them
+# blue, green and red, and white and two grays below them
+_ROWS, _COLUMNS = (152, 316), slice(0, 240)
 _NAME_LETTERS = 22
 _LETTER_IN, _AXIS_IN = 0.0095, 0.35  # of a title per pt, and beside the axes
 _FEWEST_LETTERS = 10
@@ -259,7 +260,7 @@ def card_of(of: Shown, *, paper: Paper = "16:9", work: Work | None = None) -> Ca
     )
     shown = tuple(sorted(_ranked(of, verdict)[:_SHOWN]))
     cube = checker_cube()
-    crop = replace(cube, stored=np.asarray(cube.stored)[_CROP])
+    crop = replace(cube, stored=row_source(cube.stored).rows(*_ROWS)[:, _COLUMNS])
     settings = capture_settings_of(PicturePart(cube=cube.source, clip=True), seed=study.seed)
     pictures: list[UInt8[Array, "h w 3"] | None] = []
     for i in shown:

@@ -45,6 +45,17 @@ _LOST, _MIDDLE = (1 << 29) - 1, 1 << 28  # of the bits of float64, those that fl
 
 
 @np.errstate(all="ignore")  # what is no reflectance is refused or mended later
+def electron_rows(stored: RowsInMemory, out: Float32[Array, "rows w p"]) -> None:
+    """Expected electrons of all channels, as `fused_kernels.electron_rows`."""
+    for some, part in _parts(stored, *out.shape[:2]):
+        out[some] = _means(part, out[some].shape[:2], _every_channel(*out[some].shape))
+
+
+def _every_channel(rows: int, columns: int, p: int) -> Int64[Array, "rows w p"]:
+    return np.broadcast_to(np.arange(p), (rows, columns, p))
+
+
+@np.errstate(all="ignore")  # what is no reflectance is refused or mended later
 def raw_rows(
     stored: RowsInMemory,
     tile: Int64[Array, "ty tx"],
@@ -113,7 +124,7 @@ def _electrons_of_part(
     counts: Float64[Array, "rows 3 p"],
 ) -> Float32[Array, "rows w p"]:
     (rows, columns), p = shape, counts.shape[2]
-    channel = np.broadcast_to(np.arange(p), (rows, columns, p))
+    channel = _every_channel(rows, columns, p)
     mean = _means(stored, shape, channel)
     for row in range(rows):
         for c in range(p):

@@ -10,13 +10,14 @@ import math
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any, Literal
 
 import numpy as np
 
 from chromanoise.base import Array, Float, Float32, Float64, InputError, Int64, UInt8, UInt16, check
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
+from chromanoise.imaging import plain
 from chromanoise.imaging.blocks import (
     CHANNELS_AT_ONCE,
     ENCODED,
@@ -46,6 +47,7 @@ from chromanoise.spectra import (
     ArrayRows,
     Beyond,
     Cube,
+    PaletteRows,
     RowSource,
     reflectance_rows,
     row_source,
@@ -77,6 +79,9 @@ class Light:
         Handling of invalid reflectances: ``refuse``, or ``zero``.
     first_row
         Row of the image that is the first row of the cube; above 0 if only a part was sent.
+    palette_e
+        Electrons of each spectrum of a cube with a palette. They are then the numbers of its rows,
+        and the weights only say which channel is which. [e-]
     """
 
     cube: Cube
@@ -86,11 +91,16 @@ class Light:
     planar: bool
     bad_pixels: BadPixels = "refuse"
     first_row: int = 0
+    palette_e: Float32[Array, "k p"] | None = None
 
     @property
     def source(self) -> RowSource:
         """Of the rows."""
-        return row_source(self.cube.stored)
+        source = row_source(self.cube.stored)
+        if self.palette_e is None:
+            return source
+        assert isinstance(source, PaletteRows)
+        return replace(source, palette=self.palette_e)
 
 
 def light_of(
@@ -105,24 +115,30 @@ def light_of(
     """
     white, sensor = white_scene(operating_point), operating_point.sensor
     weights, notes = band_weights(cube, white, sensor, operating_point.exposure, beyond=beyond)
-    bands, channels = weights.shape
-    shape = (_up_to(CHANNELS_AT_ONCE, channels), _up_to(PADDED_BANDS, bands))
-    padded = np.zeros(shape, np.float32)
+    channels, source = weights.shape[1], row_source(cube.stored)
     most = float(np.abs(weights).max() * cube.scale)
     check.within(f"electrons per number of {cube.source}", "e-", most, 0.0, _MOST_E)
-    padded[:channels, :bands] = (weights * cube.scale).T
-    return Light(
+    light = Light(
         cube=cube,
-        weights=padded,
+        weights=_padded((weights * cube.scale).T),
         channels=channels,
         notes=notes,
-        planar=is_planar(row_source(cube.stored)),
+        planar=is_planar(source),
         bad_pixels=bad_pixels,
     )
+    if isinstance(source, PaletteRows):
+        out = np.zeros((1, len(source.palette), channels), np.float32)
+        fill = partial(plain.electron_rows, out=out)
+        if _were_reflectances(light, source.palette[None], out, fill):
+            return replace(light, weights=_padded(np.eye(channels)), palette_e=out[0])
+    return light
 
 
-def _up_to(multiple: int, count: int) -> int:
-    return -(-count // multiple) * multiple
+def _padded(weights: Float[Array, "p m"]) -> Float32[Array, "q l"]:
+    """The weights with zeros behind channels and bands, for the vectors of the kernels."""
+    channels, bands = weights.shape
+    behind = ((0, -channels % CHANNELS_AT_ONCE), (0, -bands % PADDED_BANDS))
+    return np.pad(weights, behind).astype(np.float32, order="C")
 
 
 def on_rows(
@@ -165,7 +181,7 @@ def _were_reflectances(
     fill(RowsInMemory(flat=flat, lay=lay, weights=light.weights, seen=seen))
     lowest, highest = float(seen[:LANES].min()), float(seen[LANES:].max())
     known = lowest >= 0 and highest * light.cube.scale <= BRIGHTEST
-    return bool(known and np.isfinite(sums).all())
+    return bool((known or light.palette_e is not None) and np.isfinite(sums).all())
 
 
 def _mended(block: Array, scale: float) -> tuple[Array, Int64[Array, " rows"]]:
@@ -469,22 +485,23 @@ def plan_for_rows(plan: Any, start: int, stop: int) -> tuple[Any, list[Block]]:
     a file is opened again in the other process, also if it is a memory map, which would be sent
     whole and with another axis order.
     """
-    light, source, first_row = plan.light, plan.light.source, plan.light.first_row
+    light, source = plan.light, row_source(plan.light.cube.stored)
+    first_row = light.first_row
     pieces = row_pieces(source, start, stop)
     if isinstance(source, ArrayRows):
         first_row, end = start, stop
         if (shares := getattr(plan, "shares", None)) is not None:
             rows = _rows_around(plan, len(shares), start, stop)
             first_row, end = int(rows.min()), int(rows.max()) + 1
-        source = np.array(source.rows(first_row, end))
+        source = ArrayRows(array=np.array(source.rows(first_row, end)))
     part = replace(light, cube=replace(light.cube, stored=source), first_row=first_row)
     return replace(plan, light=part), pieces
 
 
 def electron_block(
     plan: ElectronPlan, start: int, stop: int, scratch: Scratch, out: Float32[Array, "rows w p"]
-) -> None:
-    """Fill ``out`` with expected electrons of the rows ``start`` to ``stop``. [e-]
+) -> Int64[Array, " rows"]:
+    """Fill ``out`` with expected electrons of some rows; the result is bad pixels per row. [e-]
 
     Raises
     ------
@@ -493,10 +510,7 @@ def electron_block(
     """
     from chromanoise.imaging.fused_kernels import electron_rows
 
-    def fill(stored: RowsInMemory) -> None:
-        electron_rows(stored, out)
-
-    on_rows(plan.light, start, stop, scratch, out, fill)
+    return on_rows(plan.light, start, stop, scratch, out, lambda stored: electron_rows(stored, out))
 
 
 def _coupled_raw_block(
@@ -555,15 +569,8 @@ def _means(
     light: Light, start: int, stop: int, scratch: Scratch, columns: int
 ) -> tuple[Float32[Array, "rows w p"], Int64[Array, " rows"]]:
     """Expected electrons of some rows, and bad pixels per row. [e-]"""
-    from chromanoise.imaging.fused_kernels import electron_rows
-
     mean = np.zeros((stop - start, columns, light.channels), np.float32)
-
-    def fill(stored: RowsInMemory) -> None:
-        electron_rows(stored, mean)
-
-    bad = on_rows(light, start, stop, scratch, mean, fill)
-    return mean, bad
+    return mean, electron_block(ElectronPlan(light=light), start, stop, scratch, mean)
 
 
 def _without_readout(draw: Draw) -> Draw:

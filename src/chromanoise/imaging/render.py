@@ -37,7 +37,7 @@ from chromanoise.sensor import (
     with_channel_names,
     without_crosstalk,
 )
-from chromanoise.spectra import Beyond, Cube, Illuminant, Metric, bands_within
+from chromanoise.spectra import Beyond, Cube, Illuminant, Metric, bands_within, row_source
 
 ALL_CORES = Work()
 """Default work: one thread per core."""
@@ -412,7 +412,7 @@ class _Products:
         plan = color_plan(light, self.draw, point, matrices, coupling, clip=self.clip)
         height, width, _ = light.source.shape
         kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
-        blocks = row_blocks(light.source, self.work)
+        blocks = row_blocks(row_source(self.cube.stored), self.work)
         (products, codes), counts = made(color_block, plan, plan_for_rows, blocks, kinds, self.work)
         total, above, bad = np.concatenate(counts).sum(axis=0)
         return (
@@ -480,7 +480,7 @@ def acquired(
     plan = raw_plan(light, draw, counting, places, adc, shares)
     height, width, _ = light.source.shape
     kinds = (((height, width), np.uint16),)
-    blocks = row_blocks(light.source, work)
+    blocks = row_blocks(row_source(cube.stored), work)
     (codes,), counts = made(raw_block, plan, plan_for_rows, blocks, kinds, work)
     member = owner == np.arange(len(sensor.names))[:, None]
     own = member @ _pixels_of_channels(plan.tile, height, width, light.channels)
@@ -528,7 +528,7 @@ def electrons_of_cube(
     light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
     height, width, _ = light.source.shape
     kinds = (((height, width, light.channels), np.float32),)
-    plan, blocks = ElectronPlan(light=light), row_blocks(light.source, work)
+    plan, blocks = ElectronPlan(light=light), row_blocks(row_source(cube.stored), work)
     (electrons,), _ = made(electron_block, plan, plan_for_rows, blocks, kinds, work)
     return electrons
 

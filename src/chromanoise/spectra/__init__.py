@@ -96,6 +96,7 @@ if TYPE_CHECKING:
     from chromanoise.spectra.scene_rows import (
         ArrayRows,
         FileRows,
+        PaletteRows,
         PlaneRows,
         ReorderedRows,
         RowSource as RowSource,

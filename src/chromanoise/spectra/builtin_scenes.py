@@ -13,11 +13,12 @@ from importlib import import_module
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, Integer, check, qr, stream
+from chromanoise.base import Array, Bool, Float, Float32, Integer, check, qr, stream
 from chromanoise.spectra.curves import DEFAULT_GRID
 from chromanoise.spectra.observers import cie_1931
 from chromanoise.spectra.reflectances import colorchecker
 from chromanoise.spectra.scene import Cube
+from chromanoise.spectra.scene_rows import PaletteRows
 
 PATCH_PX, GAP_PX = 64, 12
 _GAP_REFLECTANCE = 0.04
@@ -33,13 +34,13 @@ def checker_cube() -> Cube:
     """A ColorChecker with reflectances up to 1050 nm: 4 x 6 patches on a dark background."""
     chart = colorchecker(DEFAULT_GRID)
     pitch = PATCH_PX + GAP_PX
-    shape = (4 * pitch + GAP_PX, 6 * pitch + GAP_PX, DEFAULT_GRID.n)
-    stored = np.full(shape, _GAP_REFLECTANCE, dtype=np.float32)
-    for (top, left), patch in zip(patch_corners(), chart.values.T, strict=True):
-        stored[top : top + PATCH_PX, left : left + PATCH_PX] = patch
+    index = np.zeros((4 * pitch + GAP_PX, 6 * pitch + GAP_PX), dtype=np.uint8)
+    for k, (top, left) in enumerate(patch_corners(), 1):
+        index[top : top + PATCH_PX, left : left + PATCH_PX] = k
+    palette = np.vstack([np.full(DEFAULT_GRID.n, _GAP_REFLECTANCE), chart.values.T])
     return Cube(
         wavelength_nm=DEFAULT_GRID.wavelength_nm,
-        stored=stored,
+        stored=PaletteRows(palette=palette.astype(np.float32), index=index),
         source="builtin:checker",
         notes=chart.notes,
     )
@@ -66,37 +67,22 @@ def pixel_means(
     return sum(values[one] for one in first) / np.float32(subpixels**2)
 
 
-def mixed_cube(
-    shares: Float[Array, "h w k"],
-    reflectances: Float[Array, "k n"],
-    *,
-    source: str,
-    notes: tuple[str, ...],
-) -> Cube:
-    """The cube on the default grid whose pixels are ``shares @ reflectances``.
+def mixed_reflectances(
+    shares: Float[Array, "h w k"], reflectances: Float[Array, "k n"]
+) -> Float32[Array, "h w n"]:
+    """Mixtures ``shares @ reflectances``, rounded to 6 decimals: the same on all machines.
 
     Parameters
     ----------
     shares
         Share of each reflectance in each pixel, times the gain of the pixel.
     reflectances
-        Reflectances on the default grid.
-    source, notes
-        As in `Cube`.
-
-    Returns
-    -------
-    Cube
-        Its values are float32, rounded to 6 decimals, so they are the same on all machines.
+        Reflectances on any grid.
     """
-    mixed = shares.astype(np.float64) @ reflectances
-    np.round(mixed, _DECIMALS, out=mixed)
-    return Cube(
-        wavelength_nm=DEFAULT_GRID.wavelength_nm,
-        stored=mixed.astype(np.float32),
-        source=source,
-        notes=notes,
-    )
+    out = np.empty((*shares.shape[:2], reflectances.shape[1]), np.float32)
+    for row, some in zip(out, shares, strict=True):
+        row[...] = np.round(some.astype(np.float64) @ reflectances, _DECIMALS)
+    return out
 
 
 Inside = Callable[[int, Float[Array, "h 1"], Float[Array, "1 w"]], Bool[Array, "h w"]]
@@ -225,9 +211,10 @@ def dead_leaves_cube() -> Cube:
         [_random_mixtures(radii.size, len(chart), of=k) for k in (0, 1)], axis=1
     )
     shares = pixel_means(mixtures.astype(np.float32), label, subpixels=_SUBPIXELS)
-    return mixed_cube(
-        shares,
-        np.concatenate([chart * (1.0 - infrared), chart * infrared]),
+    parts = np.concatenate([chart * (1.0 - infrared), chart * infrared])
+    return Cube(
+        wavelength_nm=DEFAULT_GRID.wavelength_nm,
+        stored=mixed_reflectances(shares, parts),
         source="builtin:dead-leaves",
         notes=(
             "synthetic: occluding discs; each reflectance is a random mixture of ColorChecker "
@@ -334,9 +321,9 @@ def foliage_cube() -> Cube:
     seen = pixel_means(shares, label, subpixels=_SUBPIXELS)
     cloth = sum(seen[..., materials.index(name)] for name in ("black cotton", "blue cotton"))
     gain = _illumination() * (1.0 + _TEXTURE * _pink_noise()) * (1.0 + cloth * _weave())
-    return mixed_cube(
-        seen * gain[..., None],
-        np.stack(list(reflectances.values())),
+    return Cube(
+        wavelength_nm=DEFAULT_GRID.wavelength_nm,
+        stored=mixed_reflectances(seen * gain[..., None], np.stack(list(reflectances.values()))),
         source="builtin:foliage",
         notes=(
             "synthetic: leaves, soil, dyed cotton and skin with reflectances from formulas, under "
@@ -521,14 +508,21 @@ def slanted_edges_cube() -> Cube:
     color stimuli, fundamental metamers, and Wyszecki's metameric blacks", Am. J. Psychol. 95 (1982)
     537.
     """
-    shares = np.zeros((SIDE_PX, SIDE_PX, 2 * len(EDGE_KINDS)))
+    second, kind = np.zeros((SIDE_PX, SIDE_PX)), np.zeros((SIDE_PX, SIDE_PX), np.int64)
     for edge in SLANTED_EDGES:
-        second = _covered(edge)
-        k = 2 * EDGE_KINDS.index(edge.kind)
-        shares[(*edge.cell, slice(k, k + 2))] = np.stack([1.0 - second, second], axis=-1)
-    return mixed_cube(
-        shares,
-        np.concatenate([_pairs()[kind] for kind in EDGE_KINDS]),
+        second[edge.cell], kind[edge.cell] = _covered(edge), EDGE_KINDS.index(edge.kind)
+    values, which = np.unique(second, return_inverse=True)
+    shares = np.zeros((len(EDGE_KINDS), values.size, 2 * len(EDGE_KINDS)))
+    for k in range(len(EDGE_KINDS)):
+        shares[k, :, 2 * k : 2 * k + 2] = np.stack([1.0 - values, values], axis=-1)
+    sides = np.concatenate([_pairs()[kind] for kind in EDGE_KINDS])
+    index = kind * values.size + which.reshape(kind.shape)
+    return Cube(
+        wavelength_nm=DEFAULT_GRID.wavelength_nm,
+        stored=PaletteRows(
+            palette=mixed_reflectances(shares, sides).reshape(-1, DEFAULT_GRID.n),
+            index=index.astype(np.uint16),
+        ),
         source="builtin:slanted-edges",
         notes=(
             "synthetic: grays, two ColorChecker patches of equal luminance, and two grays of equal "

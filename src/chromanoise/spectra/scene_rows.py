@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, Protocol, runtime_checkable
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Shaped, UInt8, reason
+from chromanoise.base import Array, InputError, Integer, Shaped, UInt8, reason
 
 _MOST_UNUSED = 4  # times the bytes wanted; above, unused bytes are not kept in memory
 
@@ -432,6 +432,53 @@ class ReorderedRows:
     def with_bands(self, keep: slice) -> "ReorderedRows":
         """The source restricted to some bands; nothing is read."""
         return replace(self, order=self.order[keep])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PaletteRows:
+    """A cube of few different spectra: the pixels of a synthetic scene.
+
+    Attributes
+    ----------
+    palette
+        The different spectra.
+    index
+        Which of them each pixel has.
+    """
+
+    palette: Shaped[Array, "k m"]
+    index: Integer[Array, "h w"]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Rows, columns, bands."""
+        height, width = self.index.shape
+        return height, width, self.palette.shape[1]
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Type of the result of ``rows``, in the byte order of this machine."""
+        return self.palette.dtype
+
+    @property
+    def chunk_rows(self) -> int:
+        """Number of rows that are stored, and therefore decoded, together."""
+        return 1
+
+    def rows(
+        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
+    ) -> Shaped[Array, "rows w m"]:
+        """The rows ``start`` to ``stop``, in new memory."""
+        refuse_other_rows("the scene", self.shape, start, stop)
+        return np.take(self.palette, self.index[start:stop], axis=0)
+
+    def scratch_bytes(self, rows: int) -> int:
+        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
+        return 0
+
+    def with_bands(self, keep: slice) -> "PaletteRows":
+        """The source restricted to some bands; nothing is read."""
+        return replace(self, palette=self.palette[:, keep])
 
 
 def row_source(stored: Array | RowSource) -> RowSource:
