@@ -41,7 +41,7 @@ USED = {
 UNUSED_PARTS = re.compile(
     r"numpy/(distutils|_pyinstaller)/|.*/tests?/|chromanoise/(cli|apps/(training|paper))/"
     r"|scipy/(cluster|constants|datasets|differentiate|fftpack|integrate|interpolate|io|misc)/"
-    r"|scipy/(odr|signal|spatial|stats)/|unittest/mock\.|xml/(dom|sax)/|logging/handlers\."
+    r"|scipy/(odr|signal|sparse|spatial|stats)/|unittest/mock\.|xml/(dom|sax)/|logging/handlers\."
     r"|(_pyio|_pydatetime|pickletools|tarfile|http|cgi|smtpd|asyncio|bdb)[/.]"
     r"|PIL/(?!(Image|ImageMode|ImagePalette|ImageFile|ImageChops|ImageSequence|PngImagePlugin|ExifTags"
     r"|TiffTags|GimpGradientFile|GimpPaletteFile|PaletteFile|ImageColor|_\w+|__init__|features)\.)"
@@ -54,7 +54,9 @@ UNUSED_PARTS = re.compile(
 REPLACED = {"scipy/optimize/__init__.py": HERE / "scipy_optimize.py"}
 """Modules with another text in the page."""
 USED_INSIDE = re.compile(
-    r"[^.]+$|numpy\.|scipy\.(_lib|_cyutility|fft|linalg|ndimage|optimize|sparse|special)\b"
+    r"[^.]+$|numpy\.(?!linalg\.lapack_lite)|scipy\.(_cyutility$|_lib\._(ccallback|uarray)|fft\."
+    r"|linalg\.(?!_decomp_interp|_matfuncs_sqrtm)|ndimage\.|optimize\._slsqplib"
+    r"|special\.(?!cython_special))"
 )
 """Compiled modules in the interpreter that an answer may import."""
 UNUSED_FUNCTIONS = re.compile(
@@ -79,7 +81,8 @@ def main() -> None:
     library = with_sources(runtime)
     freeze(runtime, library)
     (WORK / "licenses.txt").write_bytes(licenses())
-    parts = {name: packed(WORK / name) for name in ("app.wasm", "rest.zip", "licenses.txt")}
+    parts = {name: packed(WORK / name) for name in ("app.wasm", "memory", "licenses.txt")}
+    parts["rest.zip"] = (WORK / "rest.zip").read_bytes()
     site(parts)
     single(parts)
     for path in (OUT / "chromanoise.html", *(OUT / "site" / f"{name}.bin" for name in parts)):
@@ -148,7 +151,8 @@ def with_sources(runtime: Path) -> Path:
             top = re.split(r"[/.]", name)[0]
             if top in kept and not UNUSED_PARTS.match(name):
                 out.writestr(zipfile.ZipInfo(name, DATED), content)
-    return library
+    run_python(runtime / "python.wasm", standard, "--with", library, HERE / "bare_library.py")
+    return WORK / "bare.zip"
 
 
 def entries(*paths: Path) -> Iterator[tuple[str, bytes]]:
@@ -160,37 +164,38 @@ def entries(*paths: Path) -> Iterator[tuple[str, bytes]]:
                     yield one.filename, content.read(one)
 
 
-def unused_functions() -> Callable[[str], bool]:
-    """Whether no answer calls a compiled function, by its name.
+def unused_functions(names: Mapping[int, str]) -> set[int]:
+    """The compiled functions that no answer calls, by their names in the order of the code.
 
     What starts a module is called when that is imported. A function of Cython has the path of its
-    module in its name: ``5scipy_6linalg``.
+    module in its name, ``5scipy_6linalg``, or belongs to the module whose PyInit is before it.
     """
     inside = (WORK / "inside").read_text().split()
     used = {name for name in inside if USED_INSIDE.match(name)}
     lasts = {name.rpartition(".")[2] for name in used}
     unused = [name.split(".") for name in inside if name not in used]
     paths = "|".join(sorted("_".join(f"{len(part)}{part}" for part in one) for one in unused))
-    starts = "|".join(sorted({one[-1] for one in unused} - lasts))
-    of_module = re.compile(rf"_({paths})_|__pyx_pymod_(exec|create)_({starts})(\(|$)")
+    starts = {one[-1] for one in unused} - lasts | {"_".join(one) for one in unused}
+    of_module = re.compile(rf"_({paths})_|__pyx_pymod_(exec|create)_({'|'.join(starts)})(\(|$)")
     starting = re.compile("_GLOBAL__|__cxx_global|PyInit_|__pyx_pymod|.*_exec$")
-
-    def is_unused(function: str) -> bool:
-        if of_module.search(function):
-            return True
-        if starting.match(function):
-            return False
-        return bool(UNUSED_FUNCTIONS.search(function))
-
-    return is_unused
+    found, module = set(), ""
+    for index in sorted(names):
+        name = names[index]
+        if name.startswith("PyInit_"):
+            module = name.removeprefix("PyInit_")
+        in_unused = module in starts and re.match("__[Pp]yx_", name)
+        by_name = not starting.match(name) and UNUSED_FUNCTIONS.search(name)
+        if of_module.search(name) or in_unused or by_name:
+            found.add(index)
+    return found
 
 
 def freeze(runtime: Path, library: Path) -> None:
-    """app.wasm, an interpreter that has answered once, and rest.zip, which it has not imported."""
+    """app.wasm and memory, which have answered once, and rest.zip, which they have not imported."""
     sections = wasm.sections_of((runtime / "python.wasm").read_bytes())
-    sections, count = wasm.hollowed(sections, unused_functions())
-    print(f"{count} functions dropped")
-    sections = wasm.with_globals_exported(sections)
+    unused = unused_functions(wasm.function_names(sections))
+    print(f"{len(unused)} functions dropped")
+    sections = wasm.with_globals_exported(wasm.hollowed(sections, unused))
     prepared = WORK / "prepared.wasm"
     prepared.write_bytes(wasm.module_of(sections))
     run_python(prepared, library, "--freeze", HERE / "start.py")
@@ -198,13 +203,14 @@ def freeze(runtime: Path, library: Path) -> None:
     memory = (WORK / "memory.bin").read_bytes()
     kept = wasm.frozen(sections, memory, values, dropped=("_initialize", "wizer.initialize"))
     (WORK / "app.wasm").write_bytes(wasm.module_of(kept))
+    (WORK / "memory").write_bytes(wasm.image(memory))
     loaded = set((WORK / "loaded").read_text().split())
-    with zipfile.ZipFile(WORK / "rest.zip", "w", zipfile.ZIP_STORED) as rest:
+    with zipfile.ZipFile(WORK / "rest.zip", "w") as rest:
         for name, content in entries(library):
             module = re.sub(r"(/__init__)?\.pyc?$", "", name).replace("/", ".")
             # the file of a package must be there for its modules to be found
             if "__init__" in name or module not in loaded:
-                rest.writestr(zipfile.ZipInfo(name, DATED), content)
+                rest.writestr(zipfile.ZipInfo(name, DATED), content, zipfile.ZIP_DEFLATED, 9)
 
 
 def packed(path: Path) -> bytes:

@@ -4,6 +4,10 @@ import { ConsoleStdout, Directory, File, OpenFile, PreopenDirectory, WASI } from
 
 /** The only name under which the interpreter looks for its library. */
 const LIBRARY = "python315.zip";
+/** The custom section of a frozen module, and the size of its pages: as of wasm.py. */
+const PAGES = "pages";
+const PAGE_BYTES = 4096;
+const MOST_LEFT_BYTES = 8 << 20;
 const ENVIRONMENT = ["HOME=/tmp", "TMPDIR=/tmp", "PYTHONTZPATH=", "PYTHONDONTWRITEBYTECODE=1", "PYTHONHASHSEED=0"];
 
 export class Interpreter {
@@ -26,16 +30,45 @@ export class Interpreter {
   }
 
   /**
-   * Makes the interpreter; a module that was frozen goes on where it was.
+   * Makes the interpreter; a module that was frozen goes on where it was, with the image of its memory.
    *
    * @param {WebAssembly.Module} module
+   * @param {ReadableStream<Uint8Array>} [image]
    */
-  async start(module) {
+  async start(module, image) {
     const imports = { wasi_snapshot_preview1: this.calls, host: { call: () => -1 } };
     const instance = await WebAssembly.instantiate(module, imports);
     this.exports = instance.exports;
     this.wasi.inst = instance;
+    if (image) await this.#fill(WebAssembly.Module.customSections(module, PAGES)[0], image);
     this.exports._initialize?.();
+  }
+
+  /**
+   * Puts each page of an image where it belongs, piece by piece.
+   *
+   * @param {ArrayBuffer} numbers of these pages
+   * @param {ReadableStream<Uint8Array>} image
+   */
+  async #fill(numbers, image) {
+    const pages = new Uint32Array(numbers);
+    const { memory } = this;
+    const reader = image.getReader();
+    let at = 0;
+    let left = 0;
+    for (let piece = await reader.read(); !piece.done; piece = await reader.read()) {
+      let rest = piece.value;
+      while (rest.length) {
+        const inside = at % PAGE_BYTES;
+        const part = rest.subarray(0, PAGE_BYTES - inside);
+        memory.set(part, pages[(at - inside) / PAGE_BYTES] * PAGE_BYTES + inside);
+        at += part.length;
+        rest = rest.subarray(part.length);
+      }
+      left += piece.value.length;
+      if (left > MOST_LEFT_BYTES) left = freed();
+    }
+    freed();
   }
 
   /** What the last turn printed. */
@@ -76,6 +109,12 @@ export class Interpreter {
   read(name) {
     return this.files.contents.get(name).data;
   }
+}
+
+/** Makes a browser free the pieces of streams: it looks for unused memory when a script asks for new. */
+function freed() {
+  for (let i = 0; i < 64; i += 1) new ArrayBuffer(1 << 20);
+  return 0;
 }
 
 /** @param {Interpreter} interpreter */

@@ -7,6 +7,7 @@
 const ASKED = "/api/";
 const UPLOAD = "/api/upload";
 const MODULE = "app.wasm";
+const IMAGE = "memory";
 const LIBRARY = "rest.zip";
 const FORBIDS =
   "The place that this page comes from forbids it to run WebAssembly. Save chromanoise.html as a file, and open that.";
@@ -25,7 +26,7 @@ const PROBE = new Uint8Array([
 
 /** Questions that take seconds have an interpreter of their own, which ends when it rests. */
 const SLOW = new Set(["picture", "report", "card"]);
-const REST_MS = 5000;
+const REST_MS = 2000;
 
 /**
  * @typedef {object} Question
@@ -166,13 +167,23 @@ function whyNot(failed) {
  */
 function part(name) {
   const node = /** @type {HTMLElement} */ (inside(name));
-  const text = node.textContent ?? "";
+  const blobs = [];
+  let rest = "";
+  for (const one of /** @type {NodeListOf<Text>} */ (node.childNodes)) {
+    const text = rest + one.data;
+    one.data = ""; // frees it now
+    const whole = text.length - (text.length % 4);
+    rest = text.slice(whole);
+    blobs.push(new Blob([decoded(text.slice(0, whole))]));
+  }
   node.remove();
-  if ("fromBase64" in Uint8Array) return new Blob([Uint8Array.fromBase64(text)]);
-  const plain = atob(text);
-  const bytes = new Uint8Array(plain.length);
-  for (let i = 0; i < plain.length; i += 1) bytes[i] = plain.charCodeAt(i);
-  return new Blob([bytes]);
+  return new Blob(blobs);
+}
+
+/** @param {string} text in base64 */
+function decoded(text) {
+  if ("fromBase64" in Uint8Array) return Uint8Array.fromBase64(text);
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 
 function workerOfPage() {
@@ -183,9 +194,9 @@ function workerOfPage() {
 }
 
 function filesOfPage() {
-  if (inside(MODULE)) return { module: part(MODULE), library: part(LIBRARY) };
   const at = (/** @type {string} */ name) => new URL(`${name}.bin`, document.baseURI).href;
-  return { module: at(MODULE), library: at(LIBRARY) };
+  const file = inside(MODULE) ? part : at;
+  return { module: file(MODULE), image: file(IMAGE), library: file(LIBRARY) };
 }
 
 function begin() {

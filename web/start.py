@@ -2,12 +2,10 @@
 
 import gc
 import importlib
-import inspect
 import json
 import sys
 from contextlib import suppress
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
 
 from chromanoise.web.offline import PREPARED, OfflinePage
 from chromanoise.web.services import STUDY
@@ -32,24 +30,12 @@ def resume():
     page.resume()
 
 
-def bare(code):
-    """Compiled code without the docstrings of its functions."""
-    inner = tuple(bare(one) if isinstance(one, CodeType) else one for one in code.co_consts)
-    if code.co_flags & inspect.CO_HAS_DOCSTRING:
-        inner = ("", *inner[1:])
-    return code.replace(co_consts=inner)
-
-
 def without_docstrings():
-    """Take the docstrings of all that is imported away: nobody reads them here."""
+    """Take the docstrings of compiled types away: nobody reads them here."""
     for one in gc.get_objects():
-        if isinstance(one, FunctionType):
-            one.__doc__, one.__code__ = None, bare(one.__code__)
-        elif isinstance(one, type) and one.__flags__ & HEAP_TYPE and one.__doc__:
+        if isinstance(one, type) and one.__flags__ & HEAP_TYPE and one.__doc__:
             with suppress(AttributeError, TypeError):
                 one.__doc__ = None
-        elif isinstance(one, ModuleType):
-            one.__doc__ = None
 
 
 for name in PREPARED:

@@ -3,7 +3,7 @@
 The binary format is that of the WebAssembly Core Specification 3.0, chapter 5.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,8 @@ I32, I64 = 0x7F, 0x7E
 _OF_GLOBAL = "saved-global-"
 _PAGE_BYTES = 65536
 _UNREACHABLE = b"\x03\x00\x00\x0b"  # three bytes: no locals, the instruction, its end
-_MOST_SEGMENTS = 99_000  # browsers refuse a module of more than 100,000
-_LEAST_GAP = 32  # zeros between two segments, below which one is shorter than two
+PAGES = b"pages"
+IMAGE_PAGE_BYTES = 4096
 
 
 @dataclass(slots=True)
@@ -90,8 +90,9 @@ def sections_of(module: bytes) -> Sections:
 
 
 def module_of(sections: Sections) -> bytes:
-    """The module of some sections, without the custom ones, which no engine needs."""
-    parts = (bytes([n]) + unsigned(len(d)) + d for n, d in sections if n != CUSTOM)
+    """The module of some sections; of the custom ones, which no engine needs, `PAGES` alone."""
+    kept = ((n, d) for n, d in sections if n != CUSTOM or Bytes(d).name() == PAGES)
+    parts = (bytes([n]) + unsigned(len(d)) + d for n, d in kept)
     return MAGIC + b"".join(parts)
 
 
@@ -112,30 +113,26 @@ def function_names(sections: Sections) -> dict[int, str]:
     return found
 
 
-def hollowed(sections: Sections, is_dropped: Callable[[str], bool]) -> tuple[Sections, int]:
-    """The module with traps in place of the bodies of some functions, and their number.
+def hollowed(sections: Sections, dropped: Collection[int]) -> Sections:
+    """The module with traps in place of the bodies of some functions.
 
     Parameters
     ----------
-    is_dropped
-        Whether the function of a name is never called.
+    dropped
+        Indices of functions that are never called.
     """
-    names, first = function_names(sections), _imported_functions(sections)
-    count, out = 0, []
+    first, out = _imported_functions(sections), []
     for number, content in sections:
         if number == CODE:
             code = Bytes(content)
             bodies = [unsigned(total := code.unsigned())]
             for index in range(first, first + total):
                 body = code.name()
-                if len(body) > len(_UNREACHABLE) and is_dropped(names.get(index, "")):
-                    bodies.append(_UNREACHABLE)
-                    count += 1
-                else:
-                    bodies.append(unsigned(len(body)) + body)
+                is_dropped = len(body) > len(_UNREACHABLE) and index in dropped
+                bodies.append(_UNREACHABLE if is_dropped else unsigned(len(body)) + body)
             content = b"".join(bodies)
         out.append((number, content))
-    return out, count
+    return out
 
 
 def _imported_functions(sections: Sections) -> int:
@@ -196,7 +193,10 @@ def with_globals_exported(sections: Sections) -> Sections:
 def frozen(
     sections: Sections, memory: bytes, values: Mapping[str, int], *, dropped: tuple[str, ...]
 ) -> Sections:
-    """The module that begins where another instance was: with its memory and its variables.
+    """The module that goes on where another instance was: with its variables.
+
+    Its memory has the size of the other one's, and a custom section `PAGES` says where each page
+    of `image` belongs.
 
     Parameters
     ----------
@@ -231,10 +231,10 @@ def frozen(
                 if not name.startswith(_OF_GLOBAL) and name not in dropped
             ]
             content = unsigned(len(kept)) + b"".join(kept)
-        elif number == DATA:
-            content = _segments(memory)
-        out.append((number, content))
-    return out
+        if number != DATA:
+            out.append((number, content))
+    pages = np.array([*_used_pages(memory)], "<u4").tobytes()
+    return [*out, (CUSTOM, unsigned(len(PAGES)) + PAGES + pages)]
 
 
 def _frozen_global(one: Global, value: int | None) -> bytes:
@@ -258,16 +258,15 @@ def _exports(content: bytes) -> Iterator[tuple[str, bytes]]:
         yield name, content[begin : rest.at]
 
 
-def _segments(memory: bytes) -> bytes:
-    """All of a memory but its zeros, as segments of data."""
-    used = np.flatnonzero(np.frombuffer(memory, np.uint8))
-    steps, gap = np.diff(used), _LEAST_GAP
-    while np.count_nonzero(steps > gap) >= _MOST_SEGMENTS:
-        gap *= 2
-    cuts = np.flatnonzero(steps > gap)
-    begins, ends = used[np.r_[0, cuts + 1]], used[np.r_[cuts, used.size - 1]] + 1
-    out = bytearray(unsigned(len(begins)))
-    for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
-        place = begin - (1 << 32) if begin >= 1 << 31 else begin
-        out += b"\x00\x41" + signed(place) + b"\x0b" + unsigned(end - begin) + memory[begin:end]
-    return bytes(out)
+def _used_pages(memory: bytes) -> Iterator[int]:
+    """The pages of a memory that are not all 0."""
+    pages = np.frombuffer(memory, "<u8").reshape(-1, IMAGE_PAGE_BYTES // 8)
+    yield from np.flatnonzero(pages.any(axis=1)).tolist()
+
+
+def image(memory: bytes) -> bytes:
+    """The pages of a memory that are not all 0, one after the other."""
+    return b"".join(
+        memory[page * IMAGE_PAGE_BYTES : (page + 1) * IMAGE_PAGE_BYTES]
+        for page in _used_pages(memory)
+    )

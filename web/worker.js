@@ -4,25 +4,29 @@ import { Interpreter } from "./interpreter.js";
 
 const UNZIP = "gzip";
 
-/** @type {{ module: WebAssembly.Module, library: Uint8Array } | null} */
+/** @type {{ module: WebAssembly.Module, image: Blob, library: Blob } | null} */
 let parts = null;
 /** @type {Interpreter | null} */
 let interpreter = null;
 
-/** @param {{ module: Blob | string, library: Blob | string }} files */
-async function load({ module, library }) {
+/** @param {Record<"module" | "image" | "library", Blob | string>} files */
+async function load(files) {
   const wasm = { headers: { "Content-Type": "application/wasm" } };
-  const [compiled, zip] = await Promise.all([
-    opened(module).then((stream) => WebAssembly.compileStreaming(new Response(stream, wasm))),
-    opened(library).then((stream) => new Response(stream).arrayBuffer()),
+  const [module, image, library] = await Promise.all([
+    opened(files.module).then((packed) => WebAssembly.compileStreaming(new Response(unpacked(packed), wasm))),
+    opened(files.image).then((stream) => new Response(stream).blob()),
+    opened(files.library).then((stream) => new Response(stream).blob()),
   ]);
-  parts = { module: compiled, library: new Uint8Array(zip) };
+  parts = { module, image, library };
   await begin();
 }
 
+/** @param {ReadableStream<Uint8Array>} stream */
+const unpacked = (stream) => stream.pipeThrough(new DecompressionStream(UNZIP));
+
 /** @param {Blob | string} file or where it is */
 async function opened(file) {
-  if (typeof file !== "string") return file.stream().pipeThrough(new DecompressionStream(UNZIP));
+  if (typeof file !== "string") return file.stream();
   const reply = await fetch(file);
   if (!reply.ok || !reply.body) throw new Error(`${file} did not come (status ${reply.status})`);
   const size = Number(reply.headers.get("Content-Length"));
@@ -34,13 +38,13 @@ async function opened(file) {
       sink.enqueue(chunk);
     },
   });
-  return reply.body.pipeThrough(counted).pipeThrough(new DecompressionStream(UNZIP));
+  return reply.body.pipeThrough(counted);
 }
 
 async function begin() {
   if (!parts) throw new Error("the program is not loaded");
-  const next = new Interpreter(parts.library);
-  await next.start(parts.module);
+  const next = new Interpreter(new Uint8Array(await parts.library.arrayBuffer()));
+  await next.start(parts.module, unpacked(parts.image.stream()));
   next.run("resume()");
   interpreter = next;
 }

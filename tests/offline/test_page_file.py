@@ -50,8 +50,7 @@ def asked(tmp_path_factory):
         folder = tmp_path_factory.mktemp("asked")
         (folder / "questions").write_text(json.dumps(questions))
         words = [NODE, "--experimental-wasm-exnref", ROOT / "web" / "answers.mjs"]
-        words += [OUT / "work" / "app.wasm", OUT / "work" / "rest.zip"]
-        subprocess.run([*words, folder / "questions", folder / "replies"], check=True)
+        subprocess.run([*words, OUT / "work", folder / "questions", folder / "replies"], check=True)
         replies = json.loads((folder / "replies").read_text())
         return [one | {"content": base64.b64decode(one["content"])} for one in replies]
 
