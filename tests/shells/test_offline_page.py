@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from chromanoise.imaging.denoising import methods
+from chromanoise.web import previews
 from chromanoise.web.offline import OfflinePage
 from chromanoise.web.services import STUDY
 from shells.test_serve import client  # noqa: F401
@@ -66,6 +68,17 @@ def test_a_file_whose_reader_is_not_inside_points_to_the_installed_program(name)
     (fault,) = json.loads(OfflinePage().reply("/api/upload", b"1", name).content)["faults"]
     assert fault["where"] == "file"
     assert "need the installed program" in fault["sentence"]
+
+
+@pytest.mark.parametrize("method", ["patches", "aggregate"])
+def test_a_method_without_numba_is_refused_before_anything_is_computed(monkeypatch, method):
+    monkeypatch.setattr(methods, "find_spec", lambda name: None)
+    monkeypatch.setattr(previews, "captured_with", None)
+    study = STUDY | {"pictures": [{"cube": "builtin:checker", "denoise": method}]}
+    reply = OfflinePage().reply("/api/picture", json.dumps({"study": study}).encode())
+    (fault,) = json.loads(reply.content)["faults"]
+    assert "The picture needs the installed program" in fault["sentence"]
+    assert "numba" in fault["sentence"]
 
 
 @pytest.mark.parametrize(

@@ -246,6 +246,8 @@ class DenoisingMethod:
         Whether the method is for comparison only: none, or one of another package.
     packages
         What it imports of the extra ``denoise``.
+    compiled
+        Whether it has compiled kernels only, and needs numba.
     """
 
     name: str
@@ -256,6 +258,7 @@ class DenoisingMethod:
     linear: bool = False
     baseline: bool = False
     packages: tuple[str, ...] = ()
+    compiled: bool = False
 
 
 _EXACT_COUNTS = 400.0  # mean counts up to which the expectation is summed

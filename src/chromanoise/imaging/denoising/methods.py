@@ -13,6 +13,7 @@ The packages come with the extra ``denoise``. BM3D is licensed for noncommercial
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -161,6 +162,8 @@ def _package(
 
 
 def _refuse_absent(method: DenoisingMethod) -> None:
+    if method.compiled and find_spec("numba") is None:
+        raise ModuleNotFoundError(f"{method.name} needs numba", name="numba")
     for package in method.packages:
         refuse_absent_package(
             package,
@@ -226,6 +229,8 @@ def denoising_named(name: str) -> DenoisingMethod:
     ------
     InputError
         If no method has this name, or a package that it needs is not installed.
+    ModuleNotFoundError
+        If its kernels need numba, which only the page as a file is without.
     """
     method = DENOISING[check.one_of("denoise", name, tuple(DENOISING))]
     _refuse_absent(method)

@@ -317,6 +317,7 @@ PATCHES = DenoisingMethod(
     denoise=patches_estimate,
     reach_px=_reach_px(),
     grid_px=_STRIDE << (_LEVELS - 1),
+    compiled=True,
 )
 
 
@@ -359,4 +360,5 @@ AGGREGATE = DenoisingMethod(
     denoise=aggregate_estimate,
     reach_px=max(USUAL.reach_px, WIDE.reach_px, PATCHES.reach_px or 0),
     grid_px=math.lcm(2**WIDE.levels, PATCHES.grid_px),
+    compiled=True,
 )

@@ -30,7 +30,13 @@ export class Refused extends Error {
   }
 }
 
-const LOST = "The server does not answer; is chromanoise serve still running? Trying again.";
+const IS_FILE = document.documentElement.dataset.place === "file";
+const WHO = IS_FILE ? "The program of this page" : "The server";
+
+/** @param {string} what follows from it */
+export const silence = (what) => `${WHO} does not answer${what}`;
+
+const LOST = silence(IS_FILE ? "; trying again." : "; is chromanoise serve still running? Trying again.");
 const BUSY = "The server is busy; trying again.";
 
 /**
@@ -69,7 +75,7 @@ export async function understood(reply) {
   const told = await reply.json().catch((error) => (reply.ok ? Promise.reject(error) : null));
   if (reply.ok && !told.faults) return told;
   const faults = Array.isArray(told?.faults) && told.faults.length ? told.faults : null;
-  const sentence = `The server could not do this (status ${reply.status}); change it and try again.`;
+  const sentence = `${WHO} could not do this (status ${reply.status}); change it and try again.`;
   throw new Refused(faults ?? [{ where: "", sentence }]);
 }
 
@@ -184,7 +190,7 @@ export class Asker {
   }
 }
 
-export const UNHEARD = "The server does not answer, so the file was not read; try again.";
+export const UNHEARD = silence(", so the file was not read; try again.");
 
 /**
  * Uploads a file; the reply gives its kind and content.

@@ -1,6 +1,6 @@
 /** The study as something to take along: a link, TOML, Python or a command line. */
 
-import { Refused, posted } from "app/ask.js";
+import { Refused, posted, silence } from "app/ask.js";
 import { button, byId, el, uniqueId, within } from "app/dom.js";
 import { current, link } from "app/state.js";
 
@@ -38,7 +38,7 @@ async function copy(kind, name, said) {
   try {
     text = kind === "link" ? link() : (await posted("/api/texts", { study: current().study }))[kind];
   } catch (error) {
-    tell(said, error instanceof Refused ? error.message : "The server does not answer, so nothing was copied.");
+    tell(said, error instanceof Refused ? error.message : silence(", so nothing was copied."));
     return;
   }
   try {

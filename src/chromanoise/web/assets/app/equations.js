@@ -1,6 +1,6 @@
 /** What is behind each `?`: words, formulas, their symbols and the source, in a dialog. */
 
-import { understood } from "app/ask.js";
+import { silence, understood } from "app/ask.js";
 import { button, el, uniqueId, within } from "app/dom.js";
 
 /** @import { Explanation } from "answers" */
@@ -38,7 +38,7 @@ async function showEquations(names, opener) {
   const found = await explanations();
   if (mine !== opened) return; // another one was opened meanwhile
   const nodes = names.flatMap((name) => (found?.[name] ? [entry(found[name])] : []));
-  const none = found ? "No explanation available." : "The server does not answer; close this and try again.";
+  const none = found ? "No explanation available." : silence("; close this and try again.");
   entries.replaceChildren(...(nodes.length ? nodes : [el("p", { text: none })]));
   dialog.scrollTop = 0; // the focus is on the button at the end
 }

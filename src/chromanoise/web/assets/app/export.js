@@ -1,6 +1,6 @@
 /** What is saved as files: each chart, the pictures, and report and card of the study. */
 
-import { reply, understood } from "app/ask.js";
+import { reply, silence, understood } from "app/ask.js";
 import { keepTelling, tell } from "app/copy.js";
 import { attribute, button, byId, within } from "app/dom.js";
 import { drawAgain } from "app/panels.js";
@@ -53,7 +53,7 @@ function wholeButton({ name, ending, title }) {
       download(content, name, ending, file.headers.get("X-Chromanoise-Hash") ?? undefined);
       tell(said, `The ${name} was saved.`);
     } catch (error) {
-      tell(said, error instanceof TypeError ? "The server does not answer, so nothing was saved." : /** @type {Error} */ (error).message);
+      tell(said, error instanceof TypeError ? silence(", so nothing was saved.") : /** @type {Error} */ (error).message);
     }
     attribute(pressed, "aria-disabled", null);
   };

@@ -1,6 +1,6 @@
 /** A front of a design search: its panel, and what a click loads into the study. */
 
-import { Refused, sent, understood } from "app/ask.js";
+import { Refused, sent, silence, understood } from "app/ask.js";
 import * as cloud from "app/cloud.js";
 import { attribute, byId, choice, el, fillChoice, say, square, uniqueId, within } from "app/dom.js";
 import { matricesOf } from "app/matrix.js";
@@ -34,7 +34,7 @@ export async function showServed() {
 
 /** @param {unknown} error */
 function sentenceOf(error) {
-  return error instanceof Refused ? error.message : "The server does not answer; try again.";
+  return error instanceof Refused ? error.message : silence("; try again.");
 }
 
 /**

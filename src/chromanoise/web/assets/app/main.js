@@ -1,6 +1,6 @@
 /** The page: wires the state, the questions and the panels together. */
 
-import { Asker, understood } from "app/ask.js";
+import { Asker, silence, understood } from "app/ask.js";
 import { controls } from "app/controls.js";
 import { copyButtons } from "app/copy.js";
 import { attribute, brief, byId, say, within } from "app/dom.js";
@@ -410,7 +410,7 @@ async function choicesOfServer() {
       notice("lost", null);
       return choices;
     } catch {
-      notice("lost", "The server does not answer yet; trying again.");
+      notice("lost", silence(" yet; trying again."));
       await new Promise((wait) => setTimeout(wait, 500));
     }
   }

@@ -1,6 +1,6 @@
 /** Earlier answers kept as ghosts behind the drawings: up to three, named, removable. */
 
-import { posted, Refused } from "app/ask.js";
+import { posted, Refused, silence } from "app/ask.js";
 import { brief, button, el } from "app/dom.js";
 import { PARTS } from "app/panels.js";
 import { saidAt } from "app/paths.js";
@@ -91,7 +91,7 @@ async function refreshed(ghost) {
     ghost.parts = reply.parts;
     return "";
   } catch (error) {
-    return error instanceof Refused ? error.message : "The server does not answer, so nothing was pinned.";
+    return error instanceof Refused ? error.message : silence(", so nothing was pinned.");
   }
 }
 
