@@ -6,7 +6,6 @@ import sys
 
 import pytest
 
-from chromanoise.imaging.denoising import methods
 from chromanoise.web import previews
 from chromanoise.web.offline import OfflinePage
 from chromanoise.web.services import STUDY
@@ -72,13 +71,13 @@ def test_a_file_whose_reader_is_not_inside_points_to_the_installed_program(name)
 
 @pytest.mark.parametrize("method", ["patches", "aggregate"])
 def test_a_method_without_numba_is_refused_before_anything_is_computed(monkeypatch, method):
-    monkeypatch.setattr(methods, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "numba", None)
     monkeypatch.setattr(previews, "captured_with", None)
     study = STUDY | {"pictures": [{"cube": "builtin:checker", "denoise": method}]}
     reply = OfflinePage().reply("/api/picture", json.dumps({"study": study}).encode())
     (fault,) = json.loads(reply.content)["faults"]
-    assert "The picture needs the installed program" in fault["sentence"]
-    assert "numba" in fault["sentence"]
+    assert "needs the package numba" in fault["sentence"]
+    assert "pip install 'chromanoise[compiled]'" in fault["sentence"]
 
 
 @pytest.mark.parametrize(

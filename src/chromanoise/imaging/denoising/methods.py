@@ -13,7 +13,6 @@ The packages come with the extra ``denoise``. BM3D is licensed for noncommercial
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -162,13 +161,13 @@ def _package(
 
 
 def _refuse_absent(method: DenoisingMethod) -> None:
-    if method.compiled and find_spec("numba") is None:
-        raise ModuleNotFoundError(f"{method.name} needs numba", name="numba")
-    for package in method.packages:
+    needed = [(package, "denoise") for package in method.packages]
+    needed += [("numba", "compiled")] if method.compiled else []
+    for package, extra in needed:
         refuse_absent_package(
             package,
             "denoise",
-            extra="denoise",
+            extra=extra,
             value=method.name,
             otherwise=("take another method",),
         )
