@@ -1,10 +1,10 @@
 """What all tests share: shapes in signatures are checked, and hypothesis draws reproducibly."""
 
-import contextlib
 import dataclasses
 import functools
 import inspect
 import re
+import subprocess
 import sys
 import warnings
 from itertools import count
@@ -118,18 +118,38 @@ def pytest_configure(config: pytest.Config) -> None:
     )
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_setupnodes() -> None:
-    """Compile the kernels of pictures once, not in each of the processes at the same time."""
-    from chromanoise.cli import main
-    from chromanoise.imaging import kernel_cache
+PICTURE = """import sys
+from chromanoise.cli import main
+from chromanoise.imaging import kernel_cache
+kernel_cache._SMALL_S = 0.0
+main(["simulate", "builtin:checker", "--sensor", "onyx-rgbw", *sys.argv[1:]])"""
+DESIGN = """import tomllib
+from chromanoise.apps.design import DESIGN_STARTER, DesignStudy, task_of
+problem = task_of(DesignStudy.model_validate(tomllib.loads(DESIGN_STARTER))).problem()
+middle = (problem.low + problem.high) / 2
+problem.evaluate(middle[None])
+problem.gradient(middle)"""
+compiling = []
 
-    with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as folder:
-        patch.setattr(kernel_cache, "_SMALL_S", 0.0)
-        for options in ([], ["--mosaic", "sensor"]):
-            with contextlib.suppress(SystemExit):
-                out = str(Path(folder, str(len(options))))
-                main(["simulate", "builtin:checker", "--sensor", "onyx-rgbw", "-o", out, *options])
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes(config: pytest.Config) -> None:
+    """Begin to compile the dearest kernels: once, not in each of the processes at the same time."""
+    folder = TemporaryDirectory()
+    config.add_cleanup(folder.cleanup)
+    pictures = [(PICTURE, "-o", folder.name + "/color")]
+    pictures.append((PICTURE, "-o", folder.name + "/raw", "--mosaic", "sensor"))
+    is_whole = config.args_source is config.ArgsSource.TESTPATHS
+    for script, *arguments in (*pictures, *[(DESIGN,)] * is_whole):
+        command = [sys.executable, "-c", script, *arguments]
+        compiling.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_node_collection_finished() -> None:
+    """No test begins before the kernels are compiled; the processes collect in the meantime."""
+    for process in compiling:
+        process.wait()
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from chromanoise.noise import Exposure, Measurement
 from chromanoise.sensor import Pixel, Sensor, with_pixel
-from chromanoise.spectra import Grid
+from chromanoise.spectra import Cube, Grid
 
 GRID = Grid.uniform(400, 700, 10)
 PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
@@ -30,6 +30,15 @@ def sensor_of(qe, *, grid=GRID, pixel=PIXEL, name="toy", names=None, **more):
 def white_channel(qe=0.5, *, grid=GRID, pixel=PIXEL):
     """One channel that answers alike everywhere."""
     return sensor_of(np.full((grid.n, 1), qe), grid=grid, pixel=pixel, names=("W",))
+
+
+def flat_cube(wavelength_nm, reflectance, *, height, width):
+    """A cube of equal pixels with numbers of 32 bits, as those of all scenes that are built in.
+
+    Kernels are compiled for each type of numbers; of 64 bits they would take 15 s more.
+    """
+    stored = np.broadcast_to(np.float32(reflectance), (height, width, len(wavelength_nm)))
+    return Cube(wavelength_nm=wavelength_nm, stored=stored, source="a flat cube")
 
 
 def raw_of(mean, covariance, names=None):

@@ -24,9 +24,9 @@ from chromanoise.noise import (
 )
 from chromanoise.noise.distribution import counted_readout
 from chromanoise.sensor import Adc, Converter, Mosaic
-from chromanoise.spectra import Grid, equal_energy, flat_cube
+from chromanoise.spectra import Grid, equal_energy
 from noise_samples import noise_of
-from strategies import pixel_with, white_channel
+from strategies import flat_cube, pixel_with, white_channel
 
 STEP, TIME_S, SIDE = 4.0, 0.02, 400
 GRID = Grid.uniform(500, 600, 10)

@@ -20,8 +20,9 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, Cube, equal_energy, flat_cube, flat_field
+from chromanoise.spectra import DEFAULT_GRID, Cube, equal_energy, flat_field
 from chromanoise.study import sensor_named
+from strategies import flat_cube
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.002)

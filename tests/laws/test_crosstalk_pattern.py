@@ -36,12 +36,13 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_cube, flat_field
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import analyzed, diagnosis, raw_snr_db, sensor_named
 from chromanoise.study.analysis import temporal_raw_snr_db
 from chromanoise.study.camera_pipeline import pipeline_noise
 from chromanoise.study.color_noise import color_budgets, contravariant_budgets, lab_budgets
 from noise_samples import noise_of
+from strategies import flat_cube
 
 LAMP = equal_energy(DEFAULT_GRID)
 WHITE = flat_field(LAMP, level_lux=10.0)

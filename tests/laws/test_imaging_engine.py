@@ -32,10 +32,10 @@ from chromanoise.noise import (
     white_scene,
 )
 from chromanoise.sensor import Adc, Mosaic, adc_to_full_well, bayer, rgbw_sparse_4x4
-from chromanoise.spectra import Cube, cie_a, flat_cube, flat_field
+from chromanoise.spectra import Cube, cie_a, flat_field
 from chromanoise.spectra.scene_rows import PaletteRows
 from outcomes import refused_input
-from strategies import GRID, bell_qe, pixel_with, sensor_of, with_pixel_of
+from strategies import GRID, bell_qe, flat_cube, pixel_with, sensor_of, with_pixel_of
 
 LAMP = cie_a(GRID)
 

@@ -6,10 +6,10 @@ import pytest
 from chromanoise.imaging import acquired, rendered
 from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import Adc, Mosaic, bayer
-from chromanoise.spectra import Cube, cie_a, flat_cube
+from chromanoise.spectra import Cube, cie_a
 from goodness import correlation_z
 from outcomes import refused_input
-from strategies import GRID, bell_qe, pixel_with, sensor_of, with_pixel_of
+from strategies import GRID, bell_qe, flat_cube, pixel_with, sensor_of, with_pixel_of
 
 RED_ONLY = Mosaic((("R",),))
 

@@ -36,9 +36,9 @@ from chromanoise.sensor import (
     with_pixel,
 )
 from chromanoise.sensor.noise_sources import FIXED, SOURCES
-from chromanoise.spectra import DEFAULT_GRID, Grid, equal_energy, flat_cube, flat_field
+from chromanoise.spectra import DEFAULT_GRID, Grid, equal_energy, flat_field
 from chromanoise.study import analyzed, color_budgets, sensor_named
-from strategies import white_channel
+from strategies import flat_cube, white_channel
 
 TIME_S, STEP_E, BLACK_DN = 0.02, 0.25, 4000
 GRID = Grid.uniform(500, 600, 10)

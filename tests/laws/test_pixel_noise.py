@@ -47,7 +47,7 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_cube, flat_field
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import (
     SENSOR_NAMES,
     analyzed,
@@ -66,7 +66,7 @@ from chromanoise.study.analysis import (
 )
 from noise_samples import noise_of
 from outcomes import refused_input
-from strategies import GRID, pixel_with
+from strategies import GRID, flat_cube, pixel_with
 
 LAMP = equal_energy(DEFAULT_GRID)
 WHITE = flat_field(LAMP, level_lux=10.0)

@@ -13,9 +13,9 @@ from chromanoise.imaging.dng import RawProfile, camera_matrix, dng_rows, raw_pro
 from chromanoise.noise import Exposure, OperatingPoint, expected_electrons
 from chromanoise.sensor import Adc, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.sensor.camera_noise import noise_profile
-from chromanoise.spectra import Scene, cie_illuminant, flat_cube
+from chromanoise.spectra import Scene, cie_illuminant
 from outcomes import refused_input
-from strategies import GRID, bell_qe, pixel_with, sensor_of
+from strategies import GRID, bell_qe, flat_cube, pixel_with, sensor_of
 
 rawpy = pytest.importorskip("rawpy")
 
