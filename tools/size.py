@@ -54,12 +54,13 @@ def _script_lines(text: str) -> int:
 def _docstring_lines(text: str) -> set[int]:
     """Numbers of the lines of docstrings, also of those under assignments."""
     found: set[int] = set()
-    for node in ast.walk(ast.parse(text)):
-        body = getattr(node, "body", ())
-        for one in body if isinstance(body, list) else ():
-            if not isinstance(one, ast.Expr) or not isinstance(one.value, ast.Constant):
-                continue
-            if isinstance(one.value.value, str):
+    left: list[ast.AST] = [ast.parse(text)]
+    while left:
+        block = left.pop()
+        for one in (*getattr(block, "body", ()), *getattr(block, "orelse", ())):
+            if not isinstance(one, ast.Expr):
+                left.append(one)
+            elif isinstance(one.value, ast.Constant) and isinstance(one.value.value, str):
                 found |= set(range(one.lineno, (one.end_lineno or one.lineno) + 1))
     return found
 

@@ -58,7 +58,7 @@ def test_a_damaged_file_is_read_whole_or_refused_in_one_sentence(tmp_path, name)
     original = form.read(path)
     refused, few = 0, any(word in name for word in SLOW)
     kinds = (
-        {"cuts": 3, "others": OTHERS[:1], "count": 4 // len(files)}
+        {"cuts": 2, "others": OTHERS[:1], "count": 2 // len(files)}
         if few
         else {"cuts": 10, "others": OTHERS, "count": 20 // len(files)}
     )

@@ -236,6 +236,9 @@ def test_a_source_off_among_all_others_changes_no_digit(setting):
 # budgets add up
 
 
+MIXED = ("onyx-rgbw", "onyx-rgb-ircut", "model-rgbir")  # three and four channels, infrared or none
+
+
 def stages_of(sensor):
     """SNR of each coordinate by the road of measurements, and its budget."""
     found = analyzed(WHITE, sensor, EXPOSURE)
@@ -264,8 +267,11 @@ def assert_adds_up(sensor, causes):
     return budgets
 
 
-@pytest.mark.parametrize("stage", [None, "light", "charge"])
-@pytest.mark.parametrize("name", SENSOR_NAMES)
+@pytest.mark.parametrize(
+    ("name", "stage"),
+    [(name, None) for name in SENSOR_NAMES]
+    + [(name, stage) for name in MIXED for stage in ("light", "charge")],
+)
 def test_the_costs_of_all_causes_at_once_add_up_in_every_coordinate(name, stage):
     sensor = camera(name, stage, **ALL)
     crossed = {"crosstalk"} if sensor.crosstalk is not None else set()
@@ -278,7 +284,7 @@ def test_the_costs_of_all_causes_at_once_add_up_in_every_coordinate(name, stage)
 @given(
     st.dictionaries(st.sampled_from(list(ALL)), st.floats(0.01, 4.0), max_size=5),
     st.sampled_from([None, "light", "charge"]),
-    st.sampled_from(["onyx-rgbw", "onyx-rgb-ircut", "model-rgbir"]),
+    st.sampled_from(MIXED),
 )
 def test_the_costs_of_any_causes_add_up(strengths, stage, name):
     changes = {setting: ALL[setting] * factor for setting, factor in strengths.items()}
