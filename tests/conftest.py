@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import gc
 import inspect
 import re
 import subprocess
@@ -130,6 +131,13 @@ middle = (problem.low + problem.high) / 2
 problem.evaluate(middle[None])
 problem.gradient(middle)"""
 compiling = []
+gc.disable()  # until all tests are collected: what is made before stays to the end
+
+
+def pytest_collection_finish() -> None:
+    """No later collection of garbage looks at what the collection of tests has made."""
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.hookimpl(optionalhook=True)
