@@ -13,7 +13,7 @@ import threading
 import time
 import tracemalloc
 import zlib
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -510,18 +510,12 @@ def test_a_limit_of_the_processor_that_several_threads_reach_is_said_to_be_one_o
     ("stop", "code"), [(signal.SIGKILL, -9), (signal.SIGXCPU, -24), (signal.SIGSEGV, -11)]
 )
 def test_the_signal_that_ended_a_process_is_reported(workers, stop, code):
-    one = workers._nursery.worker(LANE.memory_bytes)
-    timer = threading.Timer(0.5, lambda: [os.kill(pid, stop) for pid in new()])
+    workers._nursery.worker(LANE.memory_bytes).close()  # now there is one that forks
     before = set(children_of(workers))
-
-    def new():
-        return set(children_of(workers)) - before
-
-    with suppress(AssertionError):  # it may have started before it could be counted
-        wait_until(new, 5.0)
-    if not new() and before:
-        before -= {max(before)}
-    timer.start()
+    one = workers._nursery.worker(LANE.memory_bytes)
+    wait_until(lambda: set(children_of(workers)) - before)
+    (child,) = set(children_of(workers)) - before
+    threading.Timer(0.5, os.kill, (child, stop)).start()
     with pytest.raises(processes.ProcessEndedError) as error:
         one.asked(("answer", (), (HEAVY,), 60, 60.0))
     assert error.value.exit_code == code
