@@ -49,6 +49,7 @@ from chromanoise.web.controls import choices
 from chromanoise.web.report_bundle import drawing_style
 from chromanoise.web.report_of_study import at_value, slides_of
 from chromanoise.web.requests import asset
+from dear import dear
 from noise_samples import noise_of
 from outcomes import refused_input
 
@@ -402,7 +403,7 @@ def test_many_light_levels_at_once_give_what_they_give_one_by_one():
         "bounded-psi=4",
     ],
 )
-@pytest.mark.parametrize("light", ["E", "A"])
+@pytest.mark.parametrize("light", [*dear("E"), "A"])
 def test_a_matrix_per_level_gives_what_it_gives_level_by_level(matrix, light):
     """The functions of one level, asked anew at each of them, and no cache between."""
     levels = np.geomspace(1e-3, 1e5, 9)
@@ -814,8 +815,7 @@ def test_the_reasons_that_are_told_reach_the_gap(names, illuminant):
 
 @pytest.mark.parametrize("name", ["onyx-rgb-ircut", "model-rgb", "model-rgbir", "model-mono"])
 @pytest.mark.parametrize("matrix", ["kernel", "lmmse"])
-@pytest.mark.parametrize("illuminant", ["E", "A"])
-@pytest.mark.parametrize("level_lux", [0.1, 10.0])
+@pytest.mark.parametrize(("illuminant", "level_lux"), [("E", 0.1), ("A", 10.0)])
 def test_what_a_sensor_alone_loses_below_its_raw_channels_is_not_what_they_lack_themselves(
     name, matrix, illuminant, level_lux
 ):

@@ -54,6 +54,7 @@ from chromanoise.study.schema import (
     SensorPart,
     SweepPart,
 )
+from dear import dear
 from outcomes import refused_input
 
 SMALL = """
@@ -400,7 +401,7 @@ def test_a_changed_picture_is_refused_and_stays(whole, tmp_path):
     assert files_of(tmp_path / "o") == before
 
 
-@pytest.mark.parametrize("result", [None, 3, "x", []])
+@pytest.mark.parametrize("result", [None, 3, *dear("x", [])])
 def test_a_step_without_a_result_stays_and_is_done_again_once_it_is_moved(result, whole, tmp_path):
     shutil.copytree(whole, tmp_path / "o")
     step = tmp_path / "o" / "sweep-1-lux-snr-y.json"

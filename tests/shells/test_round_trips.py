@@ -10,6 +10,7 @@ import pytest
 from chromanoise.io.result_tables import table_from_json
 from chromanoise.io.spectra import Answers, read_curves
 from chromanoise.study.resolve_names import resolve_filter, resolve_illuminant, resolve_sensor
+from dear import dear
 
 AT_NM = np.array([400.0, 437.5, 500.0, 612.3, 700.0, 1050.0])
 SMALL = 10.0 ** np.array([-1, -3, -12, 0, -6, -2])
@@ -45,7 +46,7 @@ KEPT = ("quantity", "level", "per", "scale")
 
 @pytest.mark.parametrize("said", SAID)
 @pytest.mark.parametrize("ending", [".csv", ".json", ".spdx"])
-@pytest.mark.parametrize("high", [1.0, 3.7, 81.25])
+@pytest.mark.parametrize("high", [1.0, *dear(3.7), 81.25])
 def test_convert_reads_what_it_writes_with_all_declarations(done, here, ending, said, high):
     table = values(1) * high
     write_csv(here / "a.csv", table.tolist(), ["R"])
