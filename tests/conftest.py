@@ -42,7 +42,7 @@ def has_shape(annotation):
 
 
 CALLS = 5
-"""Calls of each function that are checked in each test: all would take a fifth longer."""
+"""Calls of each function that are checked in each test: 20 would take a tenth longer."""
 tests = count()
 now = [next(tests)]  # the number of the test
 making = RLock()
