@@ -143,6 +143,7 @@ def pytest_collection_finish() -> None:
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_setupnodes(config: pytest.Config) -> None:
     """Begin to compile the dearest kernels: once, not in each of the processes at the same time."""
+    gc.enable()  # this process collects no tests
     folder = TemporaryDirectory()
     config.add_cleanup(folder.cleanup)
     pictures = [(PICTURE, "-o", folder.name + "/color")]
@@ -151,6 +152,7 @@ def pytest_xdist_setupnodes(config: pytest.Config) -> None:
     for script, *arguments in (*pictures, *[(DESIGN,)] * is_whole):
         command = [sys.executable, "-c", script, *arguments]
         compiling.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
+        config.add_cleanup(compiling[-1].wait)  # before the folder goes, also after an error
 
 
 @pytest.hookimpl(optionalhook=True)
