@@ -38,7 +38,7 @@ from chromanoise.study import (
     training_named,
 )
 from chromanoise.study.color_noise import noise_beyond_first_order
-from chromanoise.study.trade_offs import FEW_CHANNELS, NO_CHART, SATURATED
+from chromanoise.study.trade_offs import FEW_CHANNELS, NO_CHART, SATURATED, _along_light
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, sensors
 
 LAMP = equal_energy(GRID)
@@ -587,3 +587,15 @@ def test_for_a_machine_the_winner_is_that_of_the_median_pair():
     assert verdict.margin_db > 3.0
     twin = replace(sensor_named("onyx-rgbw", DEFAULT_GRID), name="twin")
     assert cn.analyze("onyx-rgbw", twin, lux=10.0, reader="machine").verdict.winner is None
+
+
+def test_the_trade_offs_of_several_light_levels_are_those_of_each_alone():
+    point = paper_point("onyx-rgbw", level_lux=1.0)
+    levels = (0.01, 1.0, 8.0, 1e4)
+    *together, full = _along_light(point, levels, "chart-nir", Viewing(), 4)
+    assert full == SATURATED
+    for level, one in zip(levels, together, strict=False):
+        (alone,) = _along_light(point, (level,), "chart-nir", Viewing(), 4)
+        assert one.point.level_lux == level
+        for name in ("weights", "matrices", "color_error", "visual_noise", "snr_y_db"):
+            np.testing.assert_allclose(getattr(one, name), getattr(alone, name), rtol=1e-9)
