@@ -51,7 +51,7 @@ def test_of_many_sensors_all_have_their_noise_and_few_are_named(monkeypatch):
     names = (*FIVE, "model-rgb", "mt9v024-rgb", "model-rgbw-ircut")
     every = cn.analyze(*names).verdict
     _verdict.cache_clear()
-    monkeypatch.setattr("chromanoise.study.trade_offs._MOST_CHECKED", 3)
+    monkeypatch.setattr("chromanoise.study.trade_offs.MOST_CHECKED", 3)
     few = cn.analyze(*names).verdict
     assert few is not every
     assert few.at_equal_color.standings == every.at_equal_color.standings

@@ -27,6 +27,7 @@ from chromanoise.study import (
     DEFAULT_PRIOR,
     HARDLY_SEEN_DELTA_E,
     LEAST_TIE_DB,
+    MOST_CHECKED,
     Analysis,
     EqualColor,
     Reader,
@@ -330,8 +331,11 @@ def _turns(found: EqualColor) -> list[str]:
         if found.is_tie:
             return []
         light = f"at light levels from {_lux(low_lux)} to {_lux(high_lux)}, or "
+        other = "No other sensor"
+        if len(found.standings) > MOST_CHECKED:
+            other = f"No other of the {MOST_CHECKED} sensors of least noise"
         return [
-            f"No other sensor clearly leads {light if high_lux > low_lux else ''}at color errors "
+            f"{other} clearly leads {light if high_lux > low_lux else ''}at color errors "
             f"up to {most:.1f} ΔE*ab."
         ]
     sentences = []

@@ -349,6 +349,7 @@ if TYPE_CHECKING:
     from chromanoise.study.trade_offs import (
         HARDLY_SEEN_DELTA_E,
         LEAST_TIE_DB,
+        MOST_CHECKED,
         EqualColor as EqualColor,
         LeftOut as LeftOut,
         LostColors as LostColors,

@@ -54,6 +54,8 @@ from chromanoise.study.color_noise import (
     noise_beyond_first_order,
 )
 
+MOST_CHECKED = 20
+"""Sensors, of least noise, whose order is checked by other conventions, lights and color errors."""
 LEAST_TIE_DB = 0.05
 """A margin that one decimal does not show is a tie. [dB]"""
 HARDLY_SEEN_DELTA_E = 0.5
@@ -66,7 +68,6 @@ _MOST_SUBSETS = 5  # channels of which all subsets are tried
 _ROUNDING = 1e-9  # of a color error, relative
 _STRIDE = 4  # of the matrices whose total error is computed first
 _PALE = 1.0  # mean chroma of a chart without colors
-_MOST_CHECKED = 20  # sensors whose order is checked by other conventions, lights and color errors
 _ERRORS = 17  # color errors at which the order is checked
 _PER_DECADE, _COARSE = 12, 4  # weights of the noise, at the own light level and at others
 
@@ -762,7 +763,7 @@ def equal_color(
     order = np.argsort(noise, kind="stable")
     behind_db = decibel(noise / noise[order[0]])
     margin_db = float(behind_db[order[1]])
-    near = np.sort(order[:_MOST_CHECKED])
+    near = np.sort(order[:MOST_CHECKED])
     nearest, first = [trades[k] for k in near], int(np.searchsorted(near, order[0]))
     again_db = _again_db(nearest, first, prior, least, most)
     near_db = behind_db[near]
