@@ -2,12 +2,12 @@
 
     python benchmarks/denoising.py
 
-denoises 1 megapixel of 4 planes on 2 threads and prints the least seconds per megapixel, the least
-processor seconds, the target of each method of chromanoise, and the median over the rounds of the
+denoises 1 megapixel of 4 planes on 2 threads and prints the minimum time per megapixel, the minimum
+processor time, the target of each method of chromanoise, and the median over the rounds of the
 ratio of processor times. The bilateral filter has 11 x 11 pixels; NL-means patches of 5 x 5 in
 11 x 11 places, in its fast mode. These and BM3D take plane after plane. BM3D (the package ``bm3d``,
 its default profile) takes minutes per megapixel: its times are those of 256 x 256 pixels of one
-plane, times the number of pixels and planes. Needs the extra ``denoise``.
+plane, extrapolated. Needs the extras ``compiled`` and ``denoise``.
 """
 
 import time

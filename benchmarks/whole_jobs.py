@@ -52,7 +52,7 @@ def used_by(arguments: list[str], folder: Path) -> Used:
     if process.returncode:
         raise RuntimeError(f"{arguments} ended with {process.returncode}")
     processor_s = usage.ru_utime + usage.ru_stime
-    return Used(processor_s, time.perf_counter() - began, usage.ru_maxrss / 1024)
+    return Used(processor_s, time.perf_counter() - began, usage.ru_maxrss * 1024 / 1e6)
 
 
 def of_sensors(names: list[str]) -> str:
@@ -86,7 +86,7 @@ def many_sensors(folder: Path) -> None:
 
 
 def jobs(folder: Path) -> dict[str, tuple[list[str], float, float | None]]:
-    """Arguments of each command, and its most seconds and MB."""
+    """Arguments of each command, and its limits: processor time [s] and peak memory [MB]."""
     (folder / "ten.toml").write_text(of_sensors(list(TEN)))
     many_sensors(folder)
     out = str(folder / "out")

@@ -1,6 +1,6 @@
-"""Inside the interpreter: library.zip to bare.zip, without docstrings and numbers of lines.
+"""Inside the interpreter: library.zip to bare.zip, without docstrings and line numbers.
 
-Nobody reads them in the page, but they would be a tenth of the memory that is kept.
+The page does not use them, and they would take a tenth of the memory image.
 """
 
 import dis
@@ -15,7 +15,7 @@ READ = {"numpy/_core/numeric.pyc"}  # numpy.ma demands these docstrings
 
 
 def bare(code, *, is_read):
-    """Compiled code without the docstrings, if nobody reads them, and the lines of all in it."""
+    """Code without line numbers and, unless ``is_read``, without docstrings, and all code in it."""
     constants = [
         bare(one, is_read=is_read) if isinstance(one, CodeType) else one for one in code.co_consts
     ]
@@ -41,7 +41,7 @@ def docstring_place(code):
 
 
 def nowhere(count):
-    """The lines of so many units of code: an entry says of up to eight that none is known."""
+    """Line table of so many code units that maps none to a line; an entry covers up to eight."""
     whole, rest = divmod(count, 8)
     return b"\xff" * whole + (bytes([0xF8 | rest - 1]) if rest else b"")
 

@@ -111,7 +111,7 @@ export class Interpreter {
   }
 }
 
-/** Makes a browser free the pieces of streams: it looks for unused memory when a script asks for new. */
+/** Makes a browser free the pieces of streams: it looks for garbage when a script allocates. */
 function freed() {
   for (let i = 0; i < 64; i += 1) new ArrayBuffer(1 << 20);
   return 0;

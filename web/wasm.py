@@ -193,7 +193,7 @@ def with_globals_exported(sections: Sections) -> Sections:
 def frozen(
     sections: Sections, memory: bytes, values: Mapping[str, int], *, dropped: tuple[str, ...]
 ) -> Sections:
-    """The module that goes on where another instance was: with its variables.
+    """The module with the globals of another instance.
 
     Its memory has the size of the other one's, and a custom section `PAGES` says where each page
     of `image` belongs.

@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from chromanoise.base.lazy import MovedPackages, lazy_names, renamed_keywords, warn_of_old_name
     from chromanoise.base.linalg import (
         RANK_TOLERANCE,
-        across,
         angles_deg,
         blas_kernel,
         cholesky,
@@ -51,6 +50,7 @@ if TYPE_CHECKING:
         inv,
         lstsq,
         matrix_rank,
+        orthogonal_complement,
         pinv,
         qr,
         solve,

@@ -106,8 +106,8 @@ MOVED_NAMES["chromanoise.charts"] = {
 class MovedPackages:
     """Imports an old package as the one that has its names now, with a `FutureWarning`.
 
-    A finder and loader without the base classes of `importlib.abc`, whose import takes a third of
-    the time of ``import chromanoise``.
+    A finder and loader without the base classes of `importlib.abc`, whose import would take a third
+    of the time of ``import chromanoise``.
     """
 
     def find_spec(self, fullname: str, path: object, target: object = None) -> ModuleSpec | None:

@@ -96,8 +96,8 @@ def _signs(columns: Array) -> Array:
     return np.where(entries < 0, -1.0, 1.0)
 
 
-def across(direction: Float[Array, "*k p"]) -> Float[Array, "*k p q"]:
-    """Orthonormal columns, one less than entries, at right angles to a direction (Householder)."""
+def orthogonal_complement(direction: Float[Array, "*k p"]) -> Float[Array, "*k p q"]:
+    """Orthonormal basis of the orthogonal complement of a direction (Householder reflection)."""
     length = np.linalg.norm(direction, axis=-1, keepdims=True)
     mirror = direction / np.where(length > 0, length, 1.0)
     mirror[..., 0] += np.where(mirror[..., 0] >= 0, 1.0, -1.0)

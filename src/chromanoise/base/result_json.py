@@ -127,7 +127,7 @@ def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
 
 
 def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
-    """JSON text as `json.dumps` writes it with that indentation, with a line end.
+    """JSON text as `json.dumps` writes it with that indentation, with a final newline.
 
     Lists of numbers are encoded by the compiled encoder of `json`, which cannot indent.
 
@@ -136,7 +136,7 @@ def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
     data
         Objects, lists, text, finite numbers and ``None``, from `plain`.
     indent
-        Blanks per level.
+        Spaces per level.
 
     Raises
     ------

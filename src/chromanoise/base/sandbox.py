@@ -36,7 +36,7 @@ _ALARM = getattr(signal, "SIGALRM", None)  # not on Windows
 TOO_LONG = 1 if _ALARM is None else -_ALARM
 """Exit code of a child process that `stopped_after` has ended."""
 _ENDING_S = 2.0
-_KEPT_BYTES = 31 << 20  # the largest freed array that changes what glibc keeps
+_LARGEST_HEAP_ARRAY_BYTES = 31 << 20
 _STATM = Path("/proc/self/statm")
 _DATA = 5  # index of the field
 
@@ -156,11 +156,12 @@ def stopped_after(limit_s: float) -> Iterator[None]:
 def keep_freed_memory() -> None:
     """Let this process use freed memory again instead of asking the system for new pages.
 
-    glibc keeps freed memory up to twice the largest array that was freed, at most 32 MiB. New pages
-    took a third of the time of a verdict, and half of that of a characterization.
+    After an array of up to 32 MiB was freed, glibc takes arrays of that size from the heap, and
+    keeps up to twice that size of freed memory. New pages took a third of the time of a verdict, and half
+    of the time of a characterization.
     """
     if sys.platform == "linux":
-        bytearray(_KEPT_BYTES)  # is not written to, so that it takes no memory
+        bytearray(_LARGEST_HEAP_ARRAY_BYTES)  # is not written to, so that it takes no memory
 
 
 def held_bytes() -> int:

@@ -50,7 +50,7 @@ def installation() -> str:
 
 def _needs() -> Iterator[tuple[str, str]]:
     """Each package with its extra; none if only the source is here, not an installation."""
-    from importlib import metadata  # reads mail headers: slow to import
+    from importlib import metadata  # imports the package email, which is slow
 
     try:
         needs = metadata.requires("chromanoise") or []

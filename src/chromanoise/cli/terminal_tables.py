@@ -235,7 +235,7 @@ def print_comparison(
     for sentence in map(band_sentence, bands):
         console.print(sentence, soft_wrap=True)
     if count > MOST_CROSSED_SENSORS:
-        console.print("--json has the crossovers at which the best sensor changes.")
+        console.print("--json has the crossovers of sensors that follow each other as the best.")
     elif count > MOST_PAIRS_SENSORS:
         console.print("--json has the crossovers of all pairs.")
 

@@ -14,7 +14,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from chromanoise.base import RANK_TOLERANCE, Array, Bool, Float, across, check, qr, svd, whitening
+from chromanoise.base import (
+    RANK_TOLERANCE,
+    Array,
+    Bool,
+    Float,
+    check,
+    orthogonal_complement,
+    qr,
+    svd,
+    whitening,
+)
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import Training, training_response
 from chromanoise.noise import Exposure, mean_noise_covariance
@@ -151,7 +161,7 @@ class NoiseAwareFamily:
     def with_channels(
         families: "Sequence[NoiseAwareFamily]", used: Bool[Array, " p"]
     ) -> "list[NoiseAwareFamily]":
-        """The families of the matrices that weigh no other channels.
+        """The families of the matrices that use only these channels.
 
         Parameters
         ----------
@@ -171,9 +181,9 @@ class NoiseAwareFamily:
         return self._used
 
     def _solved(self, families: "list[NoiseAwareFamily]") -> "list[NoiseAwareFamily]":
-        """Separate gray, and the directions across it in channels of unit noise.
+        """Separate gray from the directions orthogonal to it, in noise-whitened channels.
 
-        The families differ from this one by their noise and channels alone, the latter alike.
+        The families share their channels, and differ from this one in noise and channels alone.
         """
         used = families[0]._used
         scale, relative = self._seen.scale[used], self._relative[:, used]
@@ -182,7 +192,7 @@ class NoiseAwareFamily:
         toward = unit.sum(axis=-2)  # of the white, a row of ones
         weights = (unit @ toward[..., None])[..., 0] / (toward**2).sum(axis=-1, keepdims=True)
         gray = self._seen.white_xyz[:, None] * weights[:, None]
-        directions = unit @ across(toward)
+        directions = unit @ orthogonal_complement(toward)
         left, s, turn = svd(self._what, relative @ directions, full_matrices=False)
         target = np.swapaxes(left, -1, -2) @ (self._xyz - relative @ np.swapaxes(gray, -1, -2))
         kept = s > RANK_TOLERANCE * s.max(axis=-1, keepdims=True, initial=0.0)

@@ -121,7 +121,7 @@ def shuffled(builder, a, b, lanes):
 
 
 def folded(builder, vectors, lanes=LANES):
-    """Each vector's lanes to one sum, halves onto halves: as many sums as vectors, 1 or 4."""
+    """Horizontal sum of each vector, by pairwise folding; their number is a power of 2."""
     apart = lanes  # lanes of each sum that remain to be added
     count = len(vectors)
     while len(vectors) > 1:

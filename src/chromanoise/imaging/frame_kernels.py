@@ -229,9 +229,10 @@ def add_high_passed(
 
 @no_type_check
 def add_counts(image, height, width, first, last, border, least, counts, bins):
-    """Add how many pixels are ``least``, ``least + 1`` ... to ``counts`` (2, bins).
+    """Add histograms that start at ``least`` to ``counts`` (2, bins): of border pixels, of others.
 
-    First those outside of the rows from ``first`` to ``last`` and within ``border`` of their ends.
+    Border pixels are outside the rows ``first`` to ``last``, or within ``border`` columns of an
+    end.
     """
     for y in range(height):
         at, left = y * width, width

@@ -177,7 +177,7 @@ def difference_rests(
 def neighbor_products(
     rests: Float[Array, "p m n"],
 ) -> tuple[Float[Array, "p p"], Float[Array, " p"], Float[Array, " p"]]:
-    """Sums of products over each two planes, and over the neighbors in rows, and in columns.
+    """Sums of products of each pair of planes, and of neighbors in rows and in columns.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ _MOST_BINS = 1 << 22
 
 
 class PatternSums:
-    """Counts of the values of a picture whose rows come in turn, and its high-passed variance.
+    """Histogram and high-passed variance of a picture that is read in blocks of rows.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ _LOW_WORD, _HALF_WORD = np.uint64(0xFFFFFFFF), np.uint64(32)
 _LOST, _MIDDLE = (1 << 29) - 1, 1 << 28  # of the bits of float64, those that float32 lacks
 
 
-@np.errstate(all="ignore")  # what is no reflectance is refused or mended later
+@np.errstate(all="ignore")  # invalid reflectances are refused or replaced later
 def electron_rows(stored: RowsInMemory, out: Float32[Array, "rows w p"]) -> None:
     """Expected electrons of all channels, as `fused_kernels.electron_rows`."""
     for some, part in _parts(stored, *out.shape[:2]):

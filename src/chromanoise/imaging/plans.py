@@ -80,8 +80,8 @@ class Light:
     first_row
         Row of the image that is the first row of the cube; above 0 if only a part was sent.
     palette_e
-        Electrons of each spectrum of a cube with a palette. They are then the numbers of its rows,
-        and the weights only say which channel is which. [e-]
+        Expected electrons of each palette spectrum, per channel. If given, rows of the cube are
+        electrons instead of reflectances, and ``weights`` is the identity. [e-]
     """
 
     cube: Cube

@@ -275,7 +275,7 @@ def made(
 def filled(
     fill: FillBlock, plan: Any, blocks: list[Block], outputs: tuple[Array, ...], work: Work
 ) -> list[Any]:
-    """Fill the rows of ``outputs`` by this thread and others beside it; else as `made`."""
+    """Fill the rows of ``outputs`` by the calling thread and others; otherwise as `made`."""
     threads = 1 if sys.platform == "wasi" else threads_of(work)
     scratch, size = Scratch(), max(1, min(_HANDFUL, len(blocks) // (_HANDFULS * threads)))
     handfuls = [blocks[i : i + size] for i in range(0, len(blocks), size)]

@@ -322,9 +322,10 @@ def _places(mean: float, noise: float) -> Float[Array, " t"]:
 def _shares_beside(
     electrons: Float[Array, " t"], mean: float, noise: float
 ) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
-    """Share of the readouts below and above each value; 1 for the larger of two unequal ones.
+    """Shares of the readouts below and above each value.
 
-    The median lies within one standard deviation of the mean, so beyond it only one is computed.
+    More than one standard deviation from the mean, on one side of the median, only the smaller
+    share is computed; the larger is returned as 1.
     """
     sd = np.sqrt(mean + noise**2)
     below, above = np.ones_like(electrons), np.ones_like(electrons)

@@ -443,7 +443,7 @@ class PaletteRows:
     palette
         The different spectra.
     index
-        Which of them each pixel has.
+        Index into ``palette`` of each pixel.
     """
 
     palette: Shaped[Array, "k m"]

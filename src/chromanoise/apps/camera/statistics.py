@@ -559,7 +559,7 @@ def _moments(values: Integer[Array, "n"], counts: Integer[Array, "n"]) -> tuple[
 def fixed_patterns(
     frames: Sequence[RawFrame], tile: tuple[int, int], planes: Iterable[int]
 ) -> dict[int, FixedPattern]:
-    """What is needed of the sum of at most 2^15 frames, by the number of the plane.
+    """Fixed-pattern statistics of the sum of at most 2^15 frames, by the number of the plane.
 
     Parameters
     ----------

@@ -234,7 +234,7 @@ class DenoisingMethod:
         One or two sentences for users.
     denoise
         The function. It depends on rows and columns only through multiples of ``grid_px``. Rows of
-        its result that are not needed may hold anything.
+        its result that are not needed are undefined.
     reach_px
         Largest number of rows between a value and the values on which it depends; ``None`` if it
         depends on the whole picture, which is then not cut into strips. [pixels]

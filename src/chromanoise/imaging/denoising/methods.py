@@ -228,8 +228,6 @@ def denoising_named(name: str) -> DenoisingMethod:
     ------
     InputError
         If no method has this name, or a package that it needs is not installed.
-    ModuleNotFoundError
-        If its kernels need numba, which only the page as a file is without.
     """
     method = DENOISING[check.one_of("denoise", name, tuple(DENOISING))]
     _refuse_absent(method)

@@ -126,7 +126,7 @@ def _estimate(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 
 def _with_beside(rows: tuple[int, int], height: int) -> tuple[int, int]:
-    """Rows, and those beside them whose estimate has a part in their low frequencies."""
+    """The rows, extended by those that affect their low frequencies."""
     beside = 2 * (_BESIDE + len(_CUBIC) // 2)
     start, stop = max(0, rows[0] // 2 * 2 - beside), -(-rows[1] // 2) * 2 + beside
     return start, min(height, stop)
@@ -155,7 +155,7 @@ def _of_level(
 
 
 def _group_reach_px(level: int) -> int:
-    """Most rows between a value and those on which it depends by one step. [pixels]"""
+    """Largest distance in rows between an output of one step and its inputs. [pixels]"""
     return 2 * _RADII[level] + SIDE - 1
 
 
@@ -204,9 +204,9 @@ def _groups(
 
 
 def _in_lines(rows: Float[Array, "*h n"], lanes: int) -> Float32[Array, "*h m"]:
-    """Rows with zeros behind: one vector or more, and an odd number of vectors in all.
+    """Rows zero-padded by at least one vector to an odd number of vectors.
 
-    So the same columns of neighboring rows do not compete for the same place in the cache.
+    Neighboring rows then do not map to the same set of the cache.
     """
     count = rows.shape[-1]
     vectors = (-(-count // lanes) + 1) | 1
@@ -216,7 +216,7 @@ def _in_lines(rows: Float[Array, "*h n"], lanes: int) -> Float32[Array, "*h m"]:
 
 
 def _of_pixels(patches: Float32[Array, "h w"]) -> Float32[Array, "h w"]:
-    """Sums over the patches that hold each pixel, from a number of each patch at its beginning."""
+    """For each pixel, the sum over the patches that cover it; each is stored at its first pixel."""
     for axis in (0, 1):
         padded = np.pad(patches, [(SIDE - 1, 0) if i == axis else (0, 0) for i in range(2)])
         patches = sliding_window_view(padded, SIDE, axis).sum(axis=-1)

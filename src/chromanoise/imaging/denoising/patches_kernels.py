@@ -2,9 +2,9 @@
 """Groups of similar patches and their filters, compiled; functions release the GIL.
 
 Distances are taken for all groups of a tile at once, along the rows of the picture. The samples of
-a group are the last axis of its arrays, filled up with samples of 0 to whole vectors; so are the
-rows of matrices. Intrinsic functions name the vectors that the compiler does not find: `LANES`
-numbers of a flat array, from a place on.
+a group are the last axis of its arrays, zero-padded to a multiple of `LANES`, as are the rows of
+matrices. Intrinsics emit SIMD instructions where LLVM does not vectorize; each works on `LANES`
+consecutive numbers of a flat array.
 
 The sums over samples may be taken in any order, but in the same one whatever the strip: it depends
 only on the number of samples.
@@ -282,10 +282,10 @@ def _multiply(typing_context, out, rows, one, other, pitch, jump, times, width):
 @intrinsic
 @no_type_check
 def _invert(typing_context, matrix):
-    """Write the inverse of a matrix of `PLACES` rows over it; its least pivot.
+    """Replace a matrix of `PLACES` rows by its inverse; its smallest pivot, at most 1.
 
-    Gauss and Jordan, without exchange of rows: for positive definite matrices, which are those
-    whose pivots are all above 0.
+    Gauss-Jordan elimination without pivoting. A symmetric matrix is positive definite if and only
+    if all pivots are above 0.
     """
 
     def generate(context, builder, signature, arguments):
@@ -322,16 +322,16 @@ def _negate(values, first, count):
 
 
 _AT_ONCE = 4
-"""Matrices whose eigenvalues are found at once: each step waits for roots and quotients."""
+"""Matrices whose eigenvalues are found at once: square roots and divisions have a long latency."""
 _FLOOR = 1e-200
 
 
 @intrinsic
 @no_type_check
 def _sweep(typing_context, d, e, cosines, sines, first, last):
-    """A QL step of `_AT_ONCE` tridiagonal matrices; the rotations, and behind them a sign.
+    """One QL step of `_AT_ONCE` tridiagonal matrices; writes the rotations and then a sign.
 
-    Without roots from one rotation to the next: Pal, Walker and Kahan; LAPACK dsterf.
+    The square-root-free form of Pal, Walker and Kahan (LAPACK dsterf).
     """
     whole = types.int64
 
@@ -392,7 +392,7 @@ def _sweep(typing_context, d, e, cosines, sines, first, last):
 @_compiled
 @no_type_check
 def _tridiagonalize(a, v, first, d, e, small, lane, u, q, single, n):
-    """Householder's form of n rows: diagonal, squares beside it, and the reflections in rows of v.
+    """Householder tridiagonalization of n rows: diagonal, squares off it, reflections in v.
 
     ``u`` and ``q`` are a row each, ``single`` are two; the matrix changes.
     """
@@ -650,7 +650,7 @@ def _fill_covariance(cov, products, z, most, n, full):
 @_compiled
 @no_type_check
 def _fill_color(color, products, samples, p, most, full):
-    """Fill the covariance of the planes times a factor; rows behind the samples are read, too."""
+    """Fill the unnormalized covariance of the planes; reads up to `_BLOCK` rows of samples on."""
     for c in range(0, p, _BLOCK):
         for b in range(0, c + 1, _BLOCK):
             _multiply(products, samples, c * most, b * most, most, p * most, PLACES, full)

@@ -31,7 +31,7 @@ export class Refused extends Error {
 }
 
 const IS_FILE = document.documentElement.dataset.place === "file";
-const WHO = IS_FILE ? "The program of this page" : "The server";
+const WHO = IS_FILE ? "This page" : "The server";
 
 /** @param {string} what follows from it */
 export const silence = (what) => `${WHO} does not answer${what}`;
@@ -75,7 +75,7 @@ export async function understood(reply) {
   const told = await reply.json().catch((error) => (reply.ok ? Promise.reject(error) : null));
   if (reply.ok && !told.faults) return told;
   const faults = Array.isArray(told?.faults) && told.faults.length ? told.faults : null;
-  const sentence = `${WHO} could not do this (status ${reply.status}); change it and try again.`;
+  const sentence = `${WHO} could not compute this (status ${reply.status}); change the last setting and try again.`;
   throw new Refused(faults ?? [{ where: "", sentence }]);
 }
 
