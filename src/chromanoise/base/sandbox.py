@@ -157,8 +157,8 @@ def keep_freed_memory() -> None:
     """Let this process use freed memory again instead of asking the system for new pages.
 
     After an array of up to 32 MiB was freed, glibc takes arrays of that size from the heap, and
-    keeps up to twice that size of freed memory. New pages took a third of the time of a verdict, and half
-    of the time of a characterization.
+    keeps up to twice that size of freed memory. New pages took a third of the time of a verdict,
+    and half of the time of a characterization.
     """
     if sys.platform == "linux":
         bytearray(_LARGEST_HEAP_ARRAY_BYTES)  # is not written to, so that it takes no memory

@@ -54,7 +54,16 @@ from chromanoise.apps.camera.statistics import (
     mean_shared,
     spatial_variance,
 )
-from chromanoise.base import Array, Float, InputError, __version__, inputs, plain, write_whole
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    __version__,
+    inputs,
+    plain,
+    refuse_absent_package,
+    write_whole,
+)
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, read_frame_set
 from chromanoise.io.pixels import is_photon_transfer_text, read_photon_transfer_csv
 from chromanoise.sensor import Mosaic, PhotonTransfer, TransferFit, photon_transfer_fit
@@ -336,6 +345,7 @@ def characterized(
     high-pass filter of the standard, from the spatial series (without one: from the level) nearest
     to half of saturation.
     """
+    refuse_absent_package("numba", "characterize", extra="compiled")
     given = in_true_codes(lights_of(frames, sampled, progress))
     lights = at_one_light(unclipped(given))
     frames, names = lights.frames, plane_names(lights.frames.mosaic)
