@@ -215,7 +215,7 @@ STRANGE = [
     *("--json", "--no-such", "-o", "-h", "--help", "None", "True", "E+E", "A+1xLED850+1xLED850"),
 ]
 _SHORT_DESIGN = DESIGN_STARTER.replace("population = 200", "population = 4").replace(
-    "budget = 100000", "budget = 8"
+    "budget = 30000", "budget = 8"
 )
 WEIGHTS = {
     **{"analyze": 24, "compare": 12, "matrix": 15, "simulate": 14, "convert": 10, "inspect": 8},

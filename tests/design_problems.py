@@ -23,13 +23,14 @@ def problem_of(function, low, high, *, better=("lower", "lower"), constraints=()
         return Evaluated(objectives=objectives, violation=violation)
 
     def gradient(values):
-        at = evaluate(values[None])
-        slopes = [part.imag.T / STEP for part in rows(values + 1j * STEP * np.eye(len(values)))]
+        at, (m, d) = evaluate(values), values.shape
+        copies = (values[:, None] + 1j * STEP * np.eye(d)).reshape(m * d, d)
+        slopes = [part.imag.reshape(m, d, -1).swapaxes(1, 2) / STEP for part in rows(copies)]
         return Linearized(
-            objectives=at.objectives[0],
-            violation=at.violation[0],
+            objectives=at.objectives,
+            violation=at.violation,
             objectives_jacobian=slopes[0],
-            violation_jacobian=slopes[1].reshape(len(constraints), len(values)),
+            violation_jacobian=slopes[1].reshape(m, len(constraints), d),
             constraint=np.arange(len(constraints)),
         )
 

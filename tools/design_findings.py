@@ -15,7 +15,7 @@ import numpy as np
 
 import chromanoise as cn
 from chromanoise.apps.design import Design, DesignStudy, read_design
-from chromanoise.apps.design.algorithms import _Descent, _far_apart, latin_hypercube
+from chromanoise.apps.design.algorithms import _Descents, _far_apart, latin_hypercube
 from chromanoise.apps.design.design_result import convergence_sentences
 from chromanoise.apps.design.objectives import OBJECTIVES
 from chromanoise.apps.design.optimizing import task_of
@@ -131,7 +131,7 @@ def deviating(found: Design) -> str:
 
 
 def descended(document: DesignStudy, starts: int = STARTS) -> list[str]:
-    """Where descents from random candidates end: to the constraints, then of two objectives."""
+    """Where descents of the first two objectives from random candidates end."""
     problem = task_of(document).problem()
     rng = np.random.default_rng(STARTS_SEED)
     values = latin_hypercube(problem, RANDOM, rng)
@@ -139,17 +139,21 @@ def descended(document: DesignStudy, starts: int = STARTS) -> list[str]:
     near = np.argsort(misses)[: RANDOM // 2]
     share = (values[near] - problem.low) / (problem.high - problem.low)
     scale = np.array([2.0, 3.0, 2.0])[: len(problem.objectives)]
-    lines = []
-    for start in near[_far_apart(share, starts)]:
-        end = _Descent(problem, values[start], np.ones(len(scale)), None, scale).end()
-        missed = misses_of(problem, problem.evaluate(end[None]))[0]
-        reached = []
-        for weights in np.eye(len(scale))[:2] if missed == 0 else ():
-            best = _Descent(problem, end, weights, None, scale).end()
-            (row,) = problem.evaluate(best[None]).objectives
-            reached.append(f"{weights @ row:.4f}")
-        lines.append(", ".join(reached) or f"misses the constraints by {missed:.3g}")
-    return lines
+    first = values[near[_far_apart(share, starts)]]
+    reached = []
+    for i in range(2):
+        reference = np.where(np.arange(len(scale)) == i, 0.0, np.inf)
+        ends = _Descents(problem, first, np.tile(reference, (len(first), 1)), scale).ends()
+        found = problem.evaluate(ends)
+        reached.append(
+            [
+                f"misses the constraints by {miss:.3g}" if miss else f"{value:.4f}"
+                for miss, value in zip(
+                    misses_of(problem, found), found.objectives[:, i], strict=True
+                )
+            ]
+        )
+    return [", ".join(pair) for pair in zip(*reached, strict=True)]
 
 
 def rows(found: Design) -> list[str]:

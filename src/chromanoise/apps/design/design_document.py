@@ -69,7 +69,7 @@ name = "onyx-rgb-ircut"
 objectives = ["snr_y_db", "delta_e"] # SNR of Y and color error; also noise_delta_e,
                                      # ciede2000, vora, snr10_lux, least_separation ...
 method = "nsga2"                     # nsga3; de or cma-es for one objective
-budget = 100000                      # evaluated sensors
+budget = 30000                       # evaluated sensors
 population = 200                     # sensors per generation
 seed = 1
 

@@ -76,9 +76,7 @@ _AT_BOUND = 1e-3  # distance from a bound, as a share of the range, at which the
 _HALF = (0.45, 0.55)  # ratios that are called half
 _TIMES = 1.5  # ratio from which a multiple is printed, not a percentage
 AGREEING_DB, AGREEING_SHARE = 0.05, 0.01
-"""Differences of the extremes of several seeds up to which a search counts as converged."""
-STILL_RISING = 0.02
-"""Relative rise of the hypervolume in the second half of the evaluations, up to which a search
+"""Differences of the extremes, and of the hypervolumes, of several seeds up to which a search
 counts as converged."""
 _ALIKE = 0.005  # relative difference below which no percentage is printed
 
@@ -215,28 +213,26 @@ def spread_of(objective: Objective, values: Sequence[float]) -> float:
     return round(width / best, 12) if best else float("inf")
 
 
-def rise_of(result: FrontResult) -> float | None:
-    """Relative rise of the hypervolume in the second half of the evaluations; ``None`` if none."""
-    milestones = result.convergence.milestones
-    last = milestones[-1].hypervolume
-    half = [one for one in milestones if one.evaluations <= result.evaluations / 2]
-    if last is None or not half:
+def hypervolume_spread(result: FrontResult) -> float | None:
+    """Relative difference of the hypervolumes of the seeds; ``None`` for one objective."""
+    volumes = [one for one in result.convergence.hypervolumes if one is not None]
+    if not volumes:
         return None
-    before = half[-1].hypervolume
-    return (last - before) / before if before else float("inf")
+    most = max(volumes)
+    return (most - min(volumes)) / most if most else float("inf")
 
 
 def has_converged(result: FrontResult, objectives: Sequence[str]) -> bool | None:
-    """Whether the seeds agree and the hypervolume rises by at most 2 %; ``None`` for one seed."""
+    """Whether the extremes and the hypervolumes of the seeds agree; ``None`` for one seed."""
     best = result.convergence.best
     if len(best) < 2:
         return None
-    rise = rise_of(result)
+    spread = hypervolume_spread(result)
     agree = all(
         spread_of(one, best[:, i].tolist()) <= _agreeing(one)
         for i, one in enumerate(OBJECTIVES[name] for name in objectives)
     )
-    return agree and (rise is None or rise <= STILL_RISING)
+    return agree and (spread is None or spread <= AGREEING_SHARE)
 
 
 def _agreeing(objective: Objective) -> float:
@@ -270,12 +266,10 @@ def convergence_sentences(result: FrontResult, objectives: Sequence[str]) -> lis
             differences.append(
                 f"{difference if np.isfinite(spread) else 'undefined'} in {one.short}"
             )
-        rise = rise_of(result)
-        shown = (
-            ""
-            if rise is None
-            else f"; the hypervolume rose by {_rising(rise)} in the last half of the evaluations"
-        )
+        volumes = hypervolume_spread(result)
+        if volumes is not None:
+            shown = f"{100 * volumes:.2g} %" if np.isfinite(volumes) else "undefined"
+            differences.append(f"{shown} in the hypervolume")
         verdict = (
             "The search has converged"
             if converged
@@ -283,7 +277,7 @@ def convergence_sentences(result: FrontResult, objectives: Sequence[str]) -> lis
         )
         sentences = [
             f"{verdict} ({effort}): the best values of the seeds differ by "
-            f"{', '.join(differences)}{shown}."
+            f"{', '.join(differences)}."
         ]
     if result.undefined:
         sentences.append(
@@ -292,10 +286,6 @@ def convergence_sentences(result: FrontResult, objectives: Sequence[str]) -> lis
         )
     sentences += [f"The polish ended early: {one}." for one in own.failures]
     return sentences
-
-
-def _rising(rise: float) -> str:
-    return f"{100 * rise:.2g} %" if np.isfinite(rise) else "its whole value, from 0"
 
 
 def beats(member: Mapping[str, float], other: Mapping[str, float], names: Sequence[str]) -> bool:
@@ -676,8 +666,8 @@ class Design(Result):
             gradients=result.gradient_evaluations,
             undefined=result.undefined,
             seeds=[
-                FrontSeed(seed=seed, best=named(best))
-                for seed, best in zip(own.seeds, own.best, strict=True)
+                FrontSeed(seed=seed, best=named(best), hypervolume=volume)
+                for seed, best, volume in zip(own.seeds, own.best, own.hypervolumes, strict=True)
             ],
             spread=named(spreads),
             gain=named(own.gain),

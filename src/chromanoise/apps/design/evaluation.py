@@ -377,14 +377,14 @@ class Objectives:
         )
 
     def gradient(
-        self, space: Space, values: Float[Array, " d"]
-    ) -> tuple[Float[Array, " q"], Float[Array, "q d"]]:
-        """The objectives at one point of a design space, and their derivatives.
+        self, space: Space, values: Float[Array, "*m d"]
+    ) -> tuple[Float[Array, "*m q"], Float[Array, "*m q d"]]:
+        """The objectives at points of a design space, and their derivatives.
 
         Parameters
         ----------
         values
-            Its parameters, within their bounds.
+            The parameters of each, within their bounds.
 
         Returns
         -------
@@ -400,9 +400,10 @@ class Objectives:
         are nearly dependent. At a bound the difference is one-sided, so that no point beyond the
         bounds is evaluated.
         """
-        return self._slopes_over_scenes(*self._slopes(space, values))
+        turned = _given(self, _turned(space, values))
+        return self._slopes_over_scenes(*self._slopes(space, values, turned))
 
-    def linearization(self, space: Space, values: Float[Array, " d"]) -> "Linearization":
+    def linearization(self, space: Space, values: Float[Array, "*m d"]) -> "Linearization":
         """`gradient`, and what limits of a search need besides.
 
         Parameters
@@ -412,55 +413,60 @@ class Objectives:
         """
         own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
         names = tuple(dict.fromkeys((*self.objectives, *own.objectives)))
-        found, slope = replace(self, objectives=names)._slopes(space, values)
+        turned = _given(self, _turned(space, values))
+        found, slope = replace(self, objectives=names)._slopes(space, values, turned)
         q, at = len(self.objectives), names.index("share_of_full_well")
-        share, rise = own._slopes_over_scenes(found[:, at : at + 1], slope[:, at : at + 1])
-        objectives, jacobian = self._slopes_over_scenes(found[:, :q], slope[:, :q])
-        apart: list[Array] = []
+        share, rise = own._slopes_over_scenes(found[..., at : at + 1], slope[..., at : at + 1, :])
+        objectives, jacobian = self._slopes_over_scenes(found[..., :q], slope[..., :q, :])
+        shape = values.shape
+        apart = [(np.zeros((*shape[:-1], 0)), np.zeros((*shape[:-1], 0, shape[-1])))]
         if "least_separation" in self.objectives and self.over_scenes == "worst":
-            turned = _given(self, _turned(space, values))
-            apart = [_separations(scene, turned) for scene in self.scenes]
-        separations = np.vstack([np.zeros((0, values.size)), *apart])
+            apart += [_separations(scene, turned, shape) for scene in self.scenes]
         return Linearization(
             objectives=objectives,
             objectives_jacobian=jacobian,
-            fullness=float(share[0]),
-            fullness_slope=rise[0],
-            separations=separations[:, 0].real,
-            separations_jacobian=separations.imag / _COMPLEX_STEP,
+            fullness=share[..., 0],
+            fullness_slope=rise[..., 0, :],
+            separations=np.concatenate([one for one, _ in apart], axis=-1),
+            separations_jacobian=np.concatenate([one for _, one in apart], axis=-2),
         )
 
     def _slopes(
-        self, space: Space, values: Float[Array, " d"]
-    ) -> tuple[Float[Array, "s q"], Float[Array, "s q d"]]:
+        self, space: Space, values: Float[Array, "*m d"], turned: "SensorBatch"
+    ) -> tuple[Float[Array, "s *m q"], Float[Array, "s *m q d"]]:
         """The objectives of each scene, and their derivatives."""
         at = np.asarray(values, dtype=np.float64)
-        d, q = at.size, len(self.objectives)
-        found = np.empty((len(self.scenes), q))
-        slope = np.empty((len(self.scenes), q, d))
-        turned = _given(self, _turned(space, at))
-        around: tuple[Array, Array] | None = None
+        d, q = at.shape[-1], len(self.objectives)
+        rows = at.reshape(-1, d)
+        found = np.empty((len(self.scenes), len(rows), q))
+        slope = np.empty((len(self.scenes), len(rows), q, d))
+        exact = np.zeros(found.shape, dtype=bool)
         for s, scene in enumerate(self.scenes):
-            exact = np.zeros(q, dtype=bool)
             if _matrix_group(scene):
                 raw, independence = _fast(self, scene, turned, self.objectives)
-                found[s], slope[s] = raw[0].real, raw.imag.T / _COMPLEX_STEP
-                exact[:] = [_is_fast(scene, turned.weighted, name) for name in self.objectives]
-                exact &= bool((independence >= _LEAST_INDEPENDENCE).all())
-            if not exact.all():
-                around = self._differences(space, at) if around is None else around
-                found[s] = np.where(exact, found[s], around[0][s])
-                slope[s] = np.where(exact[:, None], slope[s], around[1][s])
-        return found, np.where(np.isfinite(found)[..., None] & np.isfinite(slope), slope, 0.0)
+                found[s] = raw[::d].real
+                slope[s] = raw.imag.reshape(-1, d, q).swapaxes(1, 2) / _COMPLEX_STEP
+                exact[s] = [_is_fast(scene, turned.weighted, name) for name in self.objectives]
+                independent = (independence >= _LEAST_INDEPENDENCE).reshape(-1, d)
+                exact[s] &= independent.all(axis=1, keepdims=True)
+        for i in np.flatnonzero(~exact.all(axis=(0, 2))):
+            value, rise = self._differences(space, rows[i])
+            found[:, i] = np.where(exact[:, i], found[:, i], value)
+            slope[:, i] = np.where(exact[:, i, :, None], slope[:, i], rise)
+        slope = np.where(np.isfinite(found)[..., None] & np.isfinite(slope), slope, 0.0)
+        shape = (len(self.scenes), *at.shape[:-1], q)
+        return found.reshape(shape), slope.reshape(*shape, d)
 
     def _slopes_over_scenes(
-        self, found: Float[Array, "s q"], slope: Float[Array, "s q d"]
-    ) -> tuple[Float[Array, " q"], Float[Array, "q d"]]:
+        self, found: Float[Array, "s *m q"], slope: Float[Array, "s *m q d"]
+    ) -> tuple[Float[Array, "*m q"], Float[Array, "*m q d"]]:
         if self.over_scenes == "mean":
             return found.mean(axis=0), slope.mean(axis=0)
-        active = np.where(self._higher, found.argmin(axis=0), found.argmax(axis=0))
-        each = np.arange(found.shape[1])
-        return found[active, each], slope[active, each]
+        active = np.where(self._higher, found.argmin(axis=0), found.argmax(axis=0))[None]
+        return (
+            np.take_along_axis(found, active, axis=0)[0],
+            np.take_along_axis(slope, active[..., None], axis=0)[0],
+        )
 
     def _differences(
         self, space: Space, at: Float[Array, " d"]
@@ -491,7 +497,7 @@ class Objectives:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Linearization:
-    """Objectives at one point of a design space, and their derivatives.
+    """Objectives at points of a design space, and their derivatives.
 
     Attributes
     ----------
@@ -505,12 +511,12 @@ class Linearization:
         mean over scenes counts.
     """
 
-    objectives: Float[Array, " q"]
-    objectives_jacobian: Float[Array, "q d"]
-    fullness: float
-    fullness_slope: Float[Array, " d"]
-    separations: Float[Array, " l"]
-    separations_jacobian: Float[Array, "l d"]
+    objectives: Float[Array, "*m q"]
+    objectives_jacobian: Float[Array, "*m q d"]
+    fullness: Float[Array, "*m"]
+    fullness_slope: Float[Array, "*m d"]
+    separations: Float[Array, "*m l"]
+    separations_jacobian: Float[Array, "*m l d"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -535,9 +541,11 @@ class SensorBatch:
         return self.more.noise_weight is not None
 
 
-def _turned(space: Space, values: Float[Array, " d"]) -> Candidates:
-    """One copy of the candidate per parameter, with an imaginary step in that parameter."""
-    return space.candidates(values + 1j * _COMPLEX_STEP * np.eye(len(values)))
+def _turned(space: Space, values: Float[Array, "*m d"]) -> Candidates:
+    """One copy of each candidate per parameter, with an imaginary step in that parameter."""
+    d = values.shape[-1]
+    copies = values[..., None, :] + 1j * _COMPLEX_STEP * np.eye(d)
+    return space.candidates(copies.reshape(-1, d))
 
 
 def _given(evaluator: Objectives, candidates: Candidates) -> SensorBatch:
@@ -701,8 +709,10 @@ def _noise(scene: DesignScene, batch: SensorBatch) -> tuple[Array, Array, Array,
     return time_s / exposure.time_s, _own(noise[:3], dtype), noise[3], spread
 
 
-def _separations(scene: DesignScene, turned: SensorBatch) -> Inexact[Array, "pairs d"]:
-    """D_M of each pair, with an imaginary step of each parameter."""
+def _separations(
+    scene: DesignScene, turned: SensorBatch, shape: tuple[int, ...]
+) -> tuple[Float[Array, "*m pairs"], Float[Array, "*m pairs d"]]:
+    """D_M of each pair at values of a shape, and its derivatives."""
     from chromanoise.apps.design import kernels
 
     arrays = scene_arrays(scene)
@@ -710,11 +720,25 @@ def _separations(scene: DesignScene, turned: SensorBatch) -> Inexact[Array, "pai
     gain, law, _, spread = _noise(scene, turned)
     e = gain * np.moveaxis(turned.qe @ rows_e.T, 0, -1)  # channel, patch, parameter
     variance = kernels.variance_of(law, ..., e, e * e) * (0.5 * spread.T[:, None])
+    (p, patches), d = e.shape[:2], shape[-1]
     one, other = arrays.pairs.T
+    e, variance = (np.moveaxis(part.reshape(p, patches, -1, d), 2, 0) for part in (e, variance))
+    at, noise = e[..., 0].real, variance[..., 0].real  # point, channel, patch
+    apart, noise = at[..., one] - at[..., other], noise[..., one] + noise[..., other]
     with np.errstate(divide="ignore", invalid="ignore"):
-        apart, noise = (e[:, one] - e[:, other]) ** 2, variance[:, one] + variance[:, other]
-        without = np.where(apart.real > 0, np.inf, 0.0)
-        return np.sqrt(np.where(noise.real > 0, apart / noise, without).sum(axis=0))
+        without = np.where(apart != 0, np.inf, 0.0)
+        found = np.sqrt(np.where(noise > 0, apart**2 / noise, without).sum(axis=1))
+        of_apart = apart / (noise * found[:, None])
+        of_noise = -0.5 * of_apart * apart / noise
+    weights = np.zeros((2, len(at), len(one), p, patches))
+    pair = np.arange(len(one))
+    of_apart, of_noise = (np.moveaxis(part, 1, -1) for part in (of_apart, of_noise))
+    weights[0, :, pair, :, one] = np.swapaxes(of_apart, 0, 1)
+    weights[0, :, pair, :, other] = -np.swapaxes(of_apart, 0, 1)
+    weights[1, :, pair, :, one] = weights[1, :, pair, :, other] = np.swapaxes(of_noise, 0, 1)
+    turns = np.stack([e.imag, variance.imag]).reshape(2, len(at), p * patches, d) / _COMPLEX_STEP
+    slope = (weights.reshape(2, len(at), len(one), p * patches) @ turns).sum(axis=0)
+    return found.reshape(*shape[:-1], -1), slope.reshape(*shape[:-1], -1, d)
 
 
 def _finished(objective: Objective, value: Array, fullness: Array) -> Inexact[Array, " m"]:

@@ -246,26 +246,26 @@ class Evaluation:
         better = [one.better for one in self.evaluator.entries[: self.objectives]]
         return np.array([1.0 if side == "lower" else -1.0 for side in better])
 
-    def linearized(self, values: Float[Array, " d"]) -> Linearized:
-        """Objectives and violations of one candidate with exact parameters, and derivatives."""
+    def linearized(self, values: Float[Array, "m d"]) -> Linearized:
+        """Objectives and violations of candidates with exact parameters, and derivatives."""
         at = self.evaluator.linearization(self.space, values)
         violation, slope, constraint = [], [], []
         for k, (i, sign, value) in enumerate(self.limits):
-            parts, jacobian = at.objectives[i : i + 1], at.objectives_jacobian[i : i + 1]
+            parts, jacobian = at.objectives[:, i : i + 1], at.objectives_jacobian[:, i : i + 1]
             if (
                 sign < 0
                 and self.evaluator.objectives[i] == "least_separation"
-                and at.separations.size
+                and at.separations.shape[1]
             ):
                 parts, jacobian = at.separations, at.separations_jacobian
             violation.append(sign * (parts - value))
             slope.append(sign * jacobian)
-            constraint += [k] * len(parts)
+            constraint += [k] * parts.shape[1]
         return Linearized(
-            objectives=at.objectives[: self.objectives],
-            violation=np.concatenate([*violation, [at.fullness - FULLEST]]),
-            objectives_jacobian=at.objectives_jacobian[: self.objectives],
-            violation_jacobian=np.vstack([*slope, at.fullness_slope]),
+            objectives=at.objectives[:, : self.objectives],
+            violation=np.column_stack([*violation, at.fullness - FULLEST]),
+            objectives_jacobian=at.objectives_jacobian[:, : self.objectives],
+            violation_jacobian=np.concatenate([*slope, at.fullness_slope[:, None]], axis=1),
             constraint=np.array([*constraint, len(self.limits)]),
         )
 

@@ -55,12 +55,12 @@ class Evaluated:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Linearized:
-    """Objectives and constraints of one candidate with their exact derivatives.
+    """Objectives and constraints of ``m`` candidates with their exact derivatives.
 
     Attributes
     ----------
     objectives
-        As in `Evaluated`, of one candidate.
+        As in `Evaluated`.
     violation
         As in `Evaluated`; a constraint that is the largest of several smooth functions may have a
         row for each of these, always in the same order.
@@ -70,10 +70,10 @@ class Linearized:
         Index of the constraint of each row of ``violation``.
     """
 
-    objectives: Float[Array, " q"]
-    violation: Float[Array, " rows"]
-    objectives_jacobian: Float[Array, "q d"]
-    violation_jacobian: Float[Array, "rows d"]
+    objectives: Float[Array, "m q"]
+    violation: Float[Array, "m rows"]
+    objectives_jacobian: Float[Array, "m q d"]
+    violation_jacobian: Float[Array, "m rows d"]
     constraint: Int64[Array, " rows"]
 
 
@@ -95,7 +95,8 @@ class Problem:
         From values (m d) to `Evaluated`. A row of the result depends on the same row of the values
         only, to the last bit; then workers and chunks change no result.
     gradient
-        From values (d,) to `Linearized`; ``None`` if there are no exact derivatives.
+        From values (m d) to `Linearized`, a row for each; ``None`` if there are no exact
+        derivatives.
     constraint_sizes
         Natural size of each violation, in its unit: violations are added as multiples of it. 1 for
         each if empty.
@@ -688,14 +689,17 @@ class FrontSeed(_Record):
 
     seed: int = Field(description="Its seed.")
     best: dict[str, ObjectiveValue] = Field(description="Its best value of each objective.")
+    hypervolume: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        None, description="That of its front, in the box of the milestones."
+    )
 
 
 class FrontConvergence(_Record):
     """How far the search has converged."""
 
     converged: bool | None = Field(
-        description="Whether the seeds agree within 0.05 dB or 1 % and the hypervolume rose by at "
-        "most 2 % in the second half of the evaluations; none for one seed."
+        description="Whether the best values of the seeds agree within 0.05 dB or 1 %, and their "
+        "hypervolumes within 1 %; none for one seed."
     )
     evaluations: int = Field(description="Evaluated candidates.")
     gradients: int = Field(description="Computed gradients.")

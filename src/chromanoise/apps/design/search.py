@@ -10,10 +10,11 @@ import hashlib
 import io
 import json
 import re
+import threading
 import time
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import lru_cache, partial
@@ -24,6 +25,7 @@ import numpy as np
 
 from chromanoise.apps.design.algorithms import (
     METHODS,
+    Improved,
     State,
     algorithm_of,
     generation_rng,
@@ -31,12 +33,14 @@ from chromanoise.apps.design.algorithms import (
     latin_hypercube,
 )
 from chromanoise.apps.design.pareto_front import (
+    LARGEST,
     Archive,
     Evaluated,
     Problem,
     checked_evaluation,
     empty_archive,
     hypervolume,
+    merged,
     misses_of,
     thinned,
 )
@@ -121,7 +125,7 @@ def _decoded(evaluate: bytes) -> Callable[[Array], Evaluated]:
     return cloudpickle.loads(evaluate)
 
 
-_FORM = 2
+_FORM = 3
 _MOST_BYTES, _DIGEST_BYTES = 4 << 30, 64
 _DAMAGED = (
     OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, zipfile.BadZipFile,
@@ -277,9 +281,8 @@ _BOUNDS = {
 }
 _WRITTEN_EVERY_S = 2.0
 _SAME = 1e-9  # relative difference of a candidate evaluated on another machine
-_FIRST_POLISH = 20  # generations of a population; the next ones are after twice as many, and so on
-_EVALUATIONS_PER_GRADIENT = 25  # a gradient takes about as long
-_LEAST_GRADIENTS = 150  # per objective, of the polish at the end
+_EVALUATIONS_PER_GRADIENT = 2
+_LEAST_GRADIENTS = 2000  # per objective
 _OF_HISTORY = 64  # members of a front of which the hypervolume is kept
 _BEYOND = 0.1  # of the range of the front: from its worst values to the reference point
 _NUMERICAL = (InputError, ArithmeticError, ValueError)  # also of linear solvers
@@ -302,7 +305,7 @@ class SearchOptions:
         Number of independent populations, which share the budget. Their agreement measures the
         convergence.
     polish
-        Whether candidates are improved by gradients during and after the search. Gradients are
+        Whether gradients improve the candidates along the front after the search. Gradients are
         not part of the budget. ``None`` improves them if the problem has gradients.
 
     Raises
@@ -396,6 +399,9 @@ class Convergence:
     best
         Best value of each objective in each population, polish included. If a population has no
         feasible candidate, the value is infinite with the sign of a bad value.
+    hypervolumes
+        Of the front of each population, polish included, in the same box; ``None`` for one
+        objective.
     gain
         Improvement of the best value of each objective by the final polish, >= 0; NaN if there was
         no polish.
@@ -407,6 +413,7 @@ class Convergence:
     reference: Float[Array, " q"]
     seeds: tuple[int, ...]
     best: Float[Array, "k q"]
+    hypervolumes: tuple[float | None, ...]
     gain: Float[Array, " q"]
     failures: tuple[str, ...] = ()
 
@@ -502,12 +509,8 @@ def searched_front(
     try:
         while now.evaluations + settings.population <= settings.budget:
             own, turn = divmod(now.generation, settings.seeds)
-            archive = now.archive
             if turn == 0 and _is_power_of_two(own):
-                state.remember(now.evaluations, archive)
-            cycles, rest = divmod(own, _FIRST_POLISH)
-            if state.polishes and rest == 0 and _is_power_of_two(cycles):
-                archive = state.polish(turn, own, archive)
+                state.remember(now.evaluations, now.archive)
             rng = generation_rng(state.seeds[turn], own)
             values = state.algorithms[turn].ask(rng) if own else first[turn]
             if not len(values):  # every combination of integer parameters was tried
@@ -518,7 +521,7 @@ def searched_front(
                 search=same,
                 generation=now.generation + 1,
                 evaluations=now.evaluations + len(values),
-                archive=archive.joined(problem, values, found),
+                archive=now.archive.joined(problem, values, found),
                 algorithm=state.state(),
             )
             if progress:
@@ -540,9 +543,7 @@ def searched_front(
     archive, gain = now.archive, np.full(len(problem.objectives), np.nan)
     if state.polishes:
         before = _best(problem, archive)
-        for turn in range(min(settings.seeds, now.generation)):
-            own = (now.generation - turn - 1) // settings.seeds + 1
-            archive = state.polish(turn, own, archive, least=_LEAST_GRADIENTS)
+        archive = state.polish(now.generation, archive)
         with np.errstate(invalid="ignore"):
             gain = np.nan_to_num(before - _best(problem, archive), nan=0.0, posinf=0.0)
     _refuse_infeasible(problem, archive, f"{now.evaluations} candidates ({state.effort(now)})")
@@ -577,6 +578,7 @@ class _Populations:
         self.undefined = np.zeros(len(self.seeds), dtype=np.int64)
         self._best = np.full((len(self.seeds), len(problem.objectives)), np.inf)
         self._fronts: dict[int, Array] = {}
+        self._own: dict[int, Array] = {}
         self._failures: list[str] = []
 
     def tell(
@@ -592,46 +594,68 @@ class _Populations:
 
     def _record(self, turn: int, costs: Float[Array, "m q"]) -> None:
         self._best[turn] = np.minimum(self._best[turn], costs.min(axis=0, initial=np.inf))
+        old = self._own.get(turn, costs[:0])
+        kept, fresh = merged(old, costs)
+        front = np.concatenate([old[kept], costs[fresh]])
+        self._own[turn] = front[thinned(front, LARGEST)]
 
     def remember(self, evaluations: int, archive: Archive) -> None:
         """Store at most 64 members of the front, for the hypervolume."""
         costs = self._problem.costs(archive.objectives)
         self._fronts[evaluations] = costs[thinned(costs, _OF_HISTORY)]
 
-    def polish(self, turn: int, own: int, archive: Archive, *, least: int = 0) -> Archive:
-        """The archive with improved candidates, which also join the population.
+    def polish(self, generations: int, archive: Archive) -> Archive:
+        """The archive with the front that descents from each population find.
 
         Parameters
         ----------
-        turn, own
-            Index of the population, and its number of generations.
+        generations
+            Number of finished ones of all populations.
         archive
             The front so far.
-        least
-            Number of gradients per objective that are allowed in any case.
         """
-        problem, objectives = self._problem, len(self._problem.objectives)
-        share = own * self._settings.population // _EVALUATIONS_PER_GRADIENT
-        most = max(share - int(self.gradients[turn]), least * objectives)
+        count, stopped = min(len(self.seeds), generations), threading.Event()
+        with ThreadPoolExecutor(count) as pool:
+            tasks = [
+                pool.submit(self._improved, turn, generations, archive, stopped.is_set)
+                for turn in range(count)
+            ]
+            try:
+                every = [task.result() for task in tasks]
+            finally:
+                stopped.set()
+        for turn, better in enumerate(every):
+            if isinstance(better, Exception):  # the front so far is a result without it
+                self._failures.append(str(better))
+            elif better is not None:
+                self.gradients[turn] = better.gradients
+                self._record(turn, self._feasible_costs(better.found))
+                archive = archive.joined(self._problem, better.values, better.found)
+        return archive
+
+    def _improved(
+        self, turn: int, generations: int, archive: Archive, is_stopped: Callable[[], bool]
+    ) -> Improved | Exception | None:
+        """The descents of a population; an error, or ``None`` without candidates."""
+        problem, own = self._problem, (generations - turn - 1) // len(self.seeds) + 1
         values = self.algorithms[turn].state().get("values", archive.values)
-        if most <= 0 or not len(values):
-            return archive
+        if not len(values):
+            return None
         try:
-            found = checked_evaluation(problem, values, problem.evaluate)
-            better = improved(problem, values, found, most=most)
-        except _NUMERICAL as error:  # the front so far is a result without it
-            self._failures.append(str(error))
-            return archive
-        self.gradients[turn] += better.gradients
-        misses = misses_of(problem, better.found)
-        costs = problem.costs(better.found.objectives)
-        self._record(turn, costs[misses == 0])
-        if METHODS[self._settings.method].of_several:
-            defined = np.isfinite(costs).all(axis=1, keepdims=True)
-            rng = generation_rng(self.seeds[turn], own)
-            costs = np.where(defined, costs, 0.0)
-            self.algorithms[turn].tell(better.values, costs, misses, rng)
-        return archive.joined(problem, better.values, better.found)
+            share = own * self._settings.population // _EVALUATIONS_PER_GRADIENT
+            return improved(
+                problem,
+                values,
+                checked_evaluation(problem, values, problem.evaluate),
+                most=max(share, _LEAST_GRADIENTS * len(problem.objectives)),
+                rng=generation_rng(self.seeds[turn], own),
+                is_stopped=is_stopped,
+            )
+        except _NUMERICAL as error:
+            return error
+
+    def _feasible_costs(self, found: Evaluated) -> Float[Array, "k q"]:
+        return self._problem.costs(found.objectives)[misses_of(self._problem, found) == 0]
 
     def effort(self, now: Checkpoint) -> str:
         """Number of seeds and gradients of the search, in words."""
@@ -664,6 +688,10 @@ class _Populations:
             reference=problem.costs(reference),
             seeds=self.seeds[:count],
             best=problem.costs(self._best[:count]),
+            hypervolumes=tuple(
+                hypervolume(self._own[turn], low, reference) if several else None
+                for turn in range(count)
+            ),
             gain=gain,
             failures=tuple(dict.fromkeys(self._failures)),
         )
@@ -675,25 +703,27 @@ class _Populations:
             for i, one in enumerate(self.algorithms)
             for name, array in one.state().items()
         }
-        own = {"gradients": self.gradients, "undefined": self.undefined, "best": self._best}
+        own = {"undefined": self.undefined, "best": self._best}
         fronts = {f"front.{count}": costs for count, costs in self._fronts.items()}
+        fronts |= {f"own.{turn}": costs for turn, costs in self._own.items()}
         return state | {name: array.copy() for name, array in own.items()} | fronts
 
     def restore(self, state: Mapping[str, Array]) -> None:
         """Continue from a state."""
-        self.gradients, self.undefined, self._best = (
-            state[name].copy() for name in ("gradients", "undefined", "best")
-        )
+        self.undefined, self._best = (state[name].copy() for name in ("undefined", "best"))
         for i, one in enumerate(self.algorithms):
             start = f"{i}."
             own = {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
             if own:
                 one.restore(own)
-        self._fronts = {
-            int(name.removeprefix("front.")): array
-            for name, array in state.items()
-            if name.startswith("front.")
-        }
+        self._fronts, self._own = (
+            {
+                int(name.removeprefix(start)): array
+                for name, array in state.items()
+                if name.startswith(start)
+            }
+            for start in ("front.", "own.")
+        )
 
 
 def _is_power_of_two(number: int) -> bool:
