@@ -7,6 +7,7 @@ An installation is measured with ``--install``: it fetches packages where pip's 
 import argparse
 import datetime
 import os
+import shutil
 import statistics
 import subprocess
 import sys
@@ -109,7 +110,7 @@ def rows(rounds: int) -> list[str]:
         for what, (arguments, most_s, most_mb) in jobs(folder).items():
             used = []
             for _ in range(rounds + 1):  # the first fills the byte-code cache
-                subprocess.run(["rm", "-rf", str(folder / "out")], check=True)
+                shutil.rmtree(folder / "out", ignore_errors=True)
                 used.append(used_by([sys.executable, "-c", COMMAND, *arguments], folder))
             seconds = [one.processor_s for one in used[1:]]
             memory_mb = max(one.memory_mb for one in used)
@@ -130,7 +131,6 @@ def installed() -> str:
         pip = [str(environment / "bin" / "python"), "-m", "pip", "install", "--quiet"]
         empty_mb = _size_mb(environment)
         source = str(TARGET.parents[1])
-        subprocess.run(["rm", "-rf", f"{name}/wheel"], check=True)
         wheel = [sys.executable, "-m", "pip", "wheel", "--no-deps", "-q", "-w", f"{name}/wheel"]
         subprocess.run([*wheel, source], check=True)
         (made,) = (Path(name) / "wheel").iterdir()
@@ -165,7 +165,7 @@ def main() -> None:
     if chosen.write:
         today = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
         head = (
-            f"Made by `python benchmarks/whole_jobs.py --install --write` on {today}: "
+            f"Made by `python {' '.join(sys.argv)}` on {today}: "
             f"{_processor()}, {chosen.rounds} new processes each, byte code cached. Load average "
             f"{os.getloadavg()[0]:.1f} at end."
         )

@@ -129,7 +129,8 @@ def _correlation_power(
 ) -> Float[Array, "*k p p"]:
     """A power of the correlations of a covariance; eigenvalues of rounding size count as 0."""
     identity = np.broadcast_to(np.eye(s.shape[-1]), s.shape)
-    correlation = np.where(identity > 0, 1.0, s / _outer_of(sd := np.where(sd > 0, sd, 1.0), sd))
+    scale = np.where(sd > 0, sd, 1.0)
+    correlation = np.where(identity > 0, 1.0, s / _outer_of(scale, scale))
     if (correlation == identity).all():
         return identity
     value, vector = eigh(what, correlation)

@@ -134,7 +134,7 @@ def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
     Parameters
     ----------
     data
-        Objects, lists, text, finite numbers and ``None``, from `plain`.
+        Objects, whose keys become text, lists, text, finite numbers and ``None``, from `plain`.
     indent
         Spaces per level.
 
@@ -153,20 +153,22 @@ def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
       ]
     }
     """
+    encoder = partial(json.JSONEncoder, allow_nan=False, ensure_ascii=ensure_ascii)
+    encode, of_list = encoder().encode, dict[str, Callable[[Any], str]]()
 
     def text(value: Any, pad: str) -> str:
-        inner = pad + " " * indent
         if not isinstance(value, dict | list | tuple) or not value:
             return encode(value)
+        inner = pad + " " * indent
         if isinstance(value, dict):
             parts = [f"{encode(str(key))}: {text(one, inner)}" for key, one in value.items()]
             return f"{{{inner}{f',{inner}'.join(parts)}{pad}}}"
         if any(isinstance(one, dict | list | tuple) for one in value):
             return f"[{inner}{f',{inner}'.join(text(one, inner) for one in value)}{pad}]"
-        own = encode(value, separators=(f",{inner}", ": "))
-        return f"[{inner}{own[1:-1]}{pad}]"
+        if inner not in of_list:
+            of_list[inner] = encoder(separators=(f",{inner}", ": ")).encode
+        return f"[{inner}{of_list[inner](value)[1:-1]}{pad}]"
 
-    encode = partial(json.dumps, allow_nan=False, ensure_ascii=ensure_ascii)
     return text(data, "\n") + "\n"
 
 

@@ -153,6 +153,7 @@ def stopped_after(limit_s: float) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
+@cache
 def keep_freed_memory() -> None:
     """Let this process use freed memory again instead of asking the system for new pages.
 
@@ -161,7 +162,7 @@ def keep_freed_memory() -> None:
     and half of the time of a characterization.
     """
     if sys.platform == "linux":
-        bytearray(_LARGEST_HEAP_ARRAY_BYTES)  # is not written to, so that it takes no memory
+        bytes(_LARGEST_HEAP_ARRAY_BYTES)  # new pages of zeros: not written, they take no memory
 
 
 def held_bytes() -> int:

@@ -478,10 +478,7 @@ def _colors(able: Sequence[Analysis], found: EqualColor) -> list[str]:
     able = sorted(able, key=lambda one: (place.get(one.sensor.label, len(place)), one.sensor.label))
     trades = {one.point.sensor.label: one for one in found.trade_offs}
     errors, noises, below = [], [], []
-    more_than_named = len(able) - _MOST_NAMED
-    shown = able if more_than_named < 2 else able[:_MOST_NAMED]
-    rest = f" (and {more_than_named} others in the table)" if shown is not able else ""
-    for a in shown:
+    for a in able:
         label, error = a.sensor.label, mean_color_error(a)
         trade = trades.get(label)
         above_db = _above_the_least_db(a, trade)
@@ -490,16 +487,16 @@ def _colors(able: Sequence[Analysis], found: EqualColor) -> list[str]:
         noises.append(f"{label} {_in_noise(a)}{more if above_db >= LEAST_TIE_DB else ''}")
         if trade and error is not None and error < trade.least_color_error - _UNSEEN_DELTA_E:
             below.append(f"{label} ({error:.1f} against {trade.least_color_error:.1f})")
-    matrix = f"the matrix {able[0].matrix.made_by}"
+    matrix, rest = f"the matrix {able[0].matrix.made_by}", "{} others in the table"
     over = f"mean ΔE*ab over {_patches(able[0])}"
     told = [
-        f"With {matrix}, color error ({over}): {', '.join(errors)}; visual noise: "
-        f"{', '.join(noises)}{rest}."
+        f"With {matrix}, color error ({over}): {', '.join(_shortened(errors, rest))}; visual "
+        f"noise: {', '.join(_shortened(noises, rest))}."
     ]
     if below:
         told.append(
             f"With {matrix}, the color error is less than with every noise-aware matrix, which "
-            f"keeps the white: {listed(below)}."
+            f"keeps the white: {listed(_shortened(below, '{} others'))}."
         )
     return told
 

@@ -199,6 +199,7 @@ WEIGHT = float((4 * WIDE * WIDER) ** 2)  # all weights of the smoothing together
 
 
 _MOST_BINS = 1 << 22
+_MOST_TABLES = 16  # of blocks, before they are merged
 
 
 class PatternSums:
@@ -247,6 +248,8 @@ class PatternSums:
         _add_counts(rows, *rows.shape, *inner, border, least, counts, bins)
         counts[0] += counts[1]
         self._counts.append(np.vstack([values, counts])[:, counts[0] > 0])
+        if len(self._counts) == _MOST_TABLES:
+            self._counts = [self.counts]
 
     @property
     def counts(self) -> Integer[Array, "3 values"]:

@@ -15,7 +15,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, Float64, InputError, Int64, UInt8, UInt16, check
+from chromanoise.base import (
+    Array,
+    Float,
+    Float32,
+    Float64,
+    InputError,
+    Int64,
+    UInt8,
+    UInt16,
+    check,
+    refuse_absent_package,
+)
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
 from chromanoise.imaging import plain
 from chromanoise.imaging.blocks import (
@@ -508,8 +519,8 @@ def electron_block(
     InputError
         As `raw_block`.
     """
-    from chromanoise.imaging.fused_kernels import electron_rows
-
+    bands = plan.light.cube.wavelength_nm.size
+    electron_rows = kernel_of("fused_kernels", "electron_rows", out.size, bands)
     return on_rows(plan.light, start, stop, scratch, out, lambda stored: electron_rows(stored, out))
 
 
@@ -521,6 +532,7 @@ def _coupled_raw_block(
     scratch: Scratch,
     codes: UInt16[Array, "rows w"],
 ) -> Counts:
+    refuse_absent_package("numba", "crosstalk of charge", extra="compiled")
     from chromanoise.imaging.fused_kernels import count_rows, coupled_raw_rows
 
     rows, columns = _rows_around(plan, len(shares), start, stop), codes.shape[1]
@@ -547,6 +559,7 @@ def _coupled_color_block(
     xyz: Float32[Array, "rows w 3"],
     srgb: UInt8[Array, "rows w 3"],
 ) -> Counts:
+    refuse_absent_package("numba", "crosstalk of charge", extra="compiled")
     from chromanoise.imaging.fused_kernels import coupled_color_rows
 
     mean, bad = _means(plan.light, start, stop, scratch, xyz.shape[1])

@@ -305,8 +305,10 @@ def filled(
             work.progress(ended.popleft())
 
     def beside() -> None:
-        here(lambda: None)
-        left.put(None)
+        try:
+            here(lambda: None)
+        finally:
+            left.put(None)
 
     left, others = SimpleQueue[None](), 0
     try:

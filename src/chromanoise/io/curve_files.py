@@ -21,7 +21,7 @@ from chromanoise.io.spectra.json_curves import read_json
 from chromanoise.io.spectra.parsed import ASK, Answers, Found, ParsedSpectra
 
 _LARGEST_BYTES = 4 * 2**20
-_SMALL_BYTES = 32 * 2**10  # files whose curves are kept: of 2048 together 64 MiB
+_SHORT_BYTES = 8 * 2**10  # of a text whose curves are kept; they take up to 20 times as much
 _LARGEST_LIBRARY_BYTES = 32 * 2**20
 _MOST_CURVES = 10_000
 _MOST_HIGH = 0.1
@@ -121,9 +121,10 @@ def read_curves(path: Path | str | Found, *, answers: Answers = ASK) -> ParsedSp
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             content = _content(path)
-            found = _found(path, content)
-            kept = _kept_meaning if len(content) <= _SMALL_BYTES else _meaning
-            return kept(found, answers)
+            is_short_text = len(content) <= _SHORT_BYTES and b"\0" not in content
+            if is_short_text and not content.lstrip().startswith(b"ENVI"):  # names another file
+                return _kept(str(path), content, answers)
+            return _meaning(_found(path, content), answers)
     except InputError:
         raise
     except OSError as error:
@@ -145,8 +146,9 @@ def _meaning(found: Found, answers: Answers) -> ParsedSpectra:
     return meaning_of(found, answers)
 
 
-# a study is checked first, then computed: its files are parsed once
-_kept_meaning = lru_cache(maxsize=2048)(_meaning)  # by identity of what was parsed
+@lru_cache(maxsize=1024)  # a study is checked first, then computed: its files are parsed once
+def _kept(path: str, content: bytes, answers: Answers) -> ParsedSpectra:
+    return _meaning(_found(Path(path), content), answers)
 
 
 def _content(path: Path) -> bytes:
@@ -176,17 +178,9 @@ def _found(path: Path, content: bytes) -> Found:
         with zipfile.ZipFile(path) as archive:
             _refuse_kind(path, kind_of_zip(archive.namelist()))
         return read_workbook(path)
-    read = _kept_text if len(content) <= _SMALL_BYTES else _of_text
-    return read(str(path), content)
-
-
-def _of_text(path: str, content: bytes) -> Found:
-    text, notes = _decoded(Path(path), content)
-    found = next(read for is_text, read in TEXT_FORMATS if is_text(text))(text, path)
+    text, notes = _decoded(path, content)
+    found = next(read for is_text, read in TEXT_FORMATS if is_text(text))(text, str(path))
     return replace(found, notes=(*notes, *found.notes))
-
-
-_kept_text = lru_cache(maxsize=2048)(_of_text)
 
 
 def kind_of(content: bytes) -> tuple[str, str] | None:

@@ -449,6 +449,10 @@ class PaletteRows:
     palette: Shaped[Array, "k m"]
     index: Integer[Array, "h w"]
 
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Shaped[Array, "h w m"]:
+        """The whole cube, for numpy."""
+        return self.palette[self.index].astype(dtype or self.dtype)
+
     @property
     def shape(self) -> tuple[int, int, int]:
         """Rows, columns, bands."""

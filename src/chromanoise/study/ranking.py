@@ -4,9 +4,9 @@ A crossover over spectral priors shows how the sensor that wins depends on what 
 expects. Over a sweep, the best sensor of each range is listed.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, starmap
 from typing import Any, ClassVar
 
 import numpy as np
@@ -118,7 +118,15 @@ def crossovers(
     InputError
         If a pair has no value of the sweep at which both have the quantity.
     """
-    return tuple(_crossover(*pair) for pair in _pairs(contestants, makers, curves))
+    return tuple(starmap(_crossover, _pairs(contestants, makers, curves)))
+
+
+def _places(curves: Sequence[Curve]) -> list[tuple[int, int]]:
+    """Pairs of sensors that are compared, by place; all curves have one matrix."""
+    if len(curves) <= MOST_CROSSED_SENSORS:
+        return list(combinations(range(len(curves)), 2))
+    pairs = {tuple(sorted(pair)) for pair in pairwise(_best(curves)) if min(pair) >= 0}
+    return sorted((one, other) for one, other in pairs if one != other)
 
 
 def crossovers_or_reasons(
@@ -157,21 +165,17 @@ def _pairs(
     contestants: Sequence[OperatingPoint],
     makers: Mapping[str, MatrixFunction],
     curves: Sequence[Curve],
+    places: Mapping[str, Sequence[tuple[int, int]]] | None = None,
 ) -> Iterator[tuple[MatrixFunction, _Side, _Side]]:
     for name, maker in makers.items():
-        mine = [curve for curve in curves if curve.matrix == name]
+        mine = _of_matrix(curves, name)
         sides = list(zip(contestants, mine, strict=True))
-        compared_pairs: Iterable[tuple[int, int]] = combinations(range(len(sides)), 2)
-        if len(sides) > MOST_CROSSED_SENSORS:
-            compared_pairs = _successions(mine)
-        for one, other in compared_pairs:
+        for one, other in _places(mine) if places is None else places[name]:
             yield maker, sides[one], sides[other]
 
 
-def _successions(curves: Sequence[Curve]) -> list[tuple[int, int]]:
-    """Pairs of sensors, by place, of which one follows the other as the best of all."""
-    pairs = {tuple(sorted(pair)) for pair in pairwise(_best(curves)) if min(pair) >= 0}
-    return sorted((one, other) for one, other in pairs if one != other)
+def _of_matrix(curves: Sequence[Curve], name: str) -> list[Curve]:
+    return [curve for curve in curves if curve.matrix == name]
 
 
 def _best(curves: Sequence[Curve]) -> list[int]:
@@ -359,11 +363,18 @@ def crossover_bands(
         As `crossovers` and `matrix_makers`.
     """
     trained = trained_names(names)
-    found: dict[tuple[str, str, str], dict[str, Crossover]] = {}
+    given = []
     for prior in priors if trained else ():
         makers = matrix_makers(trained, metric, prior=prior)
         curves = compared(contestants, makers, at, sweep=sweep, quantity=quantity)
-        for crossover in crossovers(contestants, makers, curves):
+        given.append((prior, makers, curves))
+    places = {  # those of any prior
+        name: sorted({pair for *_, curves in given for pair in _places(_of_matrix(curves, name))})
+        for name in trained
+    }
+    found: dict[tuple[str, str, str], dict[str, Crossover]] = {}
+    for prior, makers, curves in given:
+        for crossover in starmap(_crossover, _pairs(contestants, makers, curves, places)):
             pair = (crossover.first, crossover.second, crossover.matrix)
             found.setdefault(pair, {})[prior] = crossover
     return tuple(

@@ -7,7 +7,7 @@ information about spectra.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import ClassVar, Literal, get_args
 
@@ -669,7 +669,7 @@ class PairOutcome:
 
     names: tuple[str, str] | None
     distance: float
-    _probability: Callable[[], float]
+    _probability: Callable[[], float] = field(repr=False, compare=False)
 
     @property
     def probability(self) -> float:

@@ -26,6 +26,7 @@ _OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc"}}
 _WITHIN = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # called by kernels only
 _compiled = kernel(**_OPTIONS, **_WITHIN)
 LANES = 16
+assert PLACES == LANES, "a matrix of a group has a row per place and a vector per row"
 _TILE = 69
 """Groups whose distances are taken at once: 3 columns each and a patch are 13 vectors."""
 _ZERO = np.float32(0.0)

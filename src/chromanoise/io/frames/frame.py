@@ -76,6 +76,7 @@ class StoredPlane:
         InputError
             As the call.
         """
+        assert self.has_rows
         memory = np.empty((min(rows, self.shape[0]), self.shape[1]), self.stored)
         native = self.stored.newbyteorder("=")
         with self._opened() as file:
