@@ -57,3 +57,13 @@ def test_of_many_sensors_all_have_their_noise_and_few_are_named(monkeypatch):
     assert few.at_equal_color.standings == every.at_equal_color.standings
     assert few.winner == every.winner == "model-rgbw-ircut"
     assert few.answer[0].text.count(" dB") == 5  # of four, and of the three others together
+
+
+def test_of_many_sensors_a_band_over_priors_is_that_of_all_pairs(monkeypatch):
+    settings = {"points": 5, "first": 0.01, "last": 10.0, "matrices": ["lmmse"], "prior": "all"}
+    every = cn.compare(*FIVE[:4], **settings)
+    monkeypatch.setattr("chromanoise.study.ranking.MOST_CROSSED_SENSORS", 3)
+    few = cn.compare(*FIVE[:4], **settings)
+    of_pair = {(one.first, one.second): one for one in every.bands}
+    assert 0 < len(few.bands) < len(every.bands) == 6
+    assert all(one.by_prior == of_pair[one.first, one.second].by_prior for one in few.bands)
