@@ -1,11 +1,16 @@
 """Packages that are optional: what needs one says so in the same sentence everywhere."""
 
+import sys
 from collections.abc import Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
 from chromanoise.base.errors import InputError, Remedy
+
+_INSTALL = "install it with pip install"
+if sys.platform == "wasi":  # the page as one file, into which nothing can be installed
+    _INSTALL = "use the installed program: pip install"
 
 
 def optional_package(
@@ -73,5 +78,5 @@ def _absent(
         value=value,
         found=None,
         where=where,
-        remedy=(f"install it with pip install 'chromanoise[{extra}]'", *otherwise),
+        remedy=(f"{_INSTALL} 'chromanoise[{extra}]'", *otherwise),
     )

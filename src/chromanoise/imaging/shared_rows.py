@@ -313,7 +313,10 @@ def filled(
     left, others = SimpleQueue[None](), 0
     try:
         while others < min(threads, len(handfuls)) - 1:
-            start_new_thread(beside, ())  # `Thread` would wait until it runs
+            try:
+                start_new_thread(beside, ())  # `Thread` would wait until it runs
+            except RuntimeError:  # no memory for its stack: those that run do all
+                break
             others += 1
         here(told)
     finally:

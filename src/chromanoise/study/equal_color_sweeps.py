@@ -13,10 +13,9 @@ from chromanoise.spectra import Spectra
 from chromanoise.study.color_matrices import DEFAULT_PRIOR
 from chromanoise.study.ranking import value_in_words
 from chromanoise.study.sweeps import Sweep
-from chromanoise.study.trade_offs import EqualColor, LeftOut, equal_color
+from chromanoise.study.trade_offs import MOST_CHECKED, EqualColor, LeftOut, equal_color
 
 _VALUES = 9  # of a sweep, at which sensors are compared
-_MOST_SENSORS = 20  # of more, the comparison takes longer than anybody waits
 
 Outcome = Literal["leads", "tie", "lost", "not compared"]
 
@@ -98,7 +97,7 @@ def equal_color_ranges(
     at = check.increasing(f"values of {sweep.name}", sweep.unit, at)
     for end in (at[0], at[-1]):
         check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
-    if not 1 < len(points) <= _MOST_SENSORS:
+    if not 1 < len(points) <= MOST_CHECKED:
         return ()
     some = np.unique(np.linspace(0, at.size - 1, min(_VALUES, at.size)).round().astype(int))
     found = [

@@ -184,7 +184,7 @@ def _with_unit(value: float, quantity: Quantity) -> str:
 
 def _rest(count: int) -> str:
     more = count - _MOST_NAMED
-    return f"; --json has the other {more}" if more > 0 else ""
+    return f"; the JSON has the other {more}" if more > 0 else ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -110,7 +110,7 @@ from chromanoise.study.reading_quality import (
 )
 from chromanoise.study.schema import OutputsPart, Study, pipeline_settings
 from chromanoise.study.sweeps import Curve
-from chromanoise.study.trade_offs import Verdict
+from chromanoise.study.trade_offs import MOST_CHECKED, Verdict
 
 if TYPE_CHECKING:
     from chromanoise.imaging import Capture
@@ -942,7 +942,13 @@ class Comparison(Result):
         first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
         best = optima_sentences(self.optima)
         crossed = [crossover_sentence(one) for one in self.shown_crossovers]
-        return [*range_sentences(self.equal_color), *best, *first, *crossed]
+        led = range_sentences(self.equal_color)
+        if len(self.points) > MOST_CHECKED and not self.curves[0].quantity.of_raw:
+            over = self.curves[0].sweep.what
+            led = [
+                f"Over {over}, at most {MOST_CHECKED} sensors are compared at equal color error."
+            ]
+        return [*led, *best, *first, *crossed]
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""

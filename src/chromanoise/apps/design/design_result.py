@@ -50,6 +50,7 @@ from chromanoise.base import (
     claimed_folder,
     from_above,
     json_file,
+    refuse_absent_package,
     refuse_unwritable,
 )
 from chromanoise.io import Column, Result, Table, axes_of, figures, sensor_json, table_writer
@@ -852,6 +853,7 @@ def read_design(path: Path | str) -> DesignStudy:
     InputError
         If the file cannot be read; all errors in it, one line each, with file, line and key.
     """
+    refuse_absent_package("numba", "optimize", extra="compiled")
     path = Path(path)
 
     def placed(document: DesignStudy) -> DesignStudy:
