@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any, Literal
@@ -376,15 +377,23 @@ def _head(card: Card, width_pt: float) -> list[_Line]:
 
 def _lines(text: str, size: float, width_pt: float, weight: str = "normal") -> Iterator[str]:
     """The text in lines that fit a width."""
-    font, line = FontProperties(family=["DejaVu Sans"], size=size, weight=weight), ""
+    line, width = "", 0.0
     for word in re.split(r"(?<!\d)\s", text):  # a number stays with its unit
-        longer = f"{line} {word}".strip()
-        width, _, _ = TextToPath().get_text_width_height_descent(longer, font, ismath=False)
+        more = f" {word}" if line else word
+        width += size * _width_em(more, weight)
         if line and width > 0.97 * width_pt:  # fonts of viewers differ a little
             yield line
-            longer = word
-        line = longer
+            line, more, width = "", word, size * _width_em(word, weight)
+        line += more
     yield line
+
+
+@cache
+def _width_em(text: str, weight: str) -> float:
+    """Advance of a text in DejaVu Sans, which has no kerning with blanks. [font size]"""
+    font = FontProperties(family=["DejaVu Sans"], size=1, weight=weight)
+    width, _, _ = TextToPath().get_text_width_height_descent(text, font, ismath=False)
+    return float(width)
 
 
 def _write_lines(

@@ -80,7 +80,8 @@ def kernel_of(
     """The compiled kernel; its twin of `plain` without numba, and for a small picture at first.
 
     Compiling takes as long as some ten small pictures. So nothing is compiled until pictures of
-    plain numpy have cost as much, in this process and those before it. On another processor with
+    plain numpy have cost as much, in this process and those before it; and numba is not started
+    until those of this process have cost as much as its start. On another processor with
     the same folder a kernel is compiled again, at once.
 
     Parameters
@@ -105,7 +106,12 @@ def kernel_of(
     ready = folder and folder / f"compiled-{what}"
     spent = folder and folder / f"milliseconds-of-plain-{what}"
     is_ready = what in _ready or (ready is not None and ready.exists())
-    if is_ready or seconds > _SMALL_S or _spent_s(spent, what) + seconds > _COMPILING_S:
+    if is_ready:
+        spent = None  # of this process alone
+        is_worth_it = "numba" in sys.modules or _spent_s(None, what) + seconds > _STARTING_S
+    else:
+        is_worth_it = seconds > _SMALL_S or _spent_s(spent, what) + seconds > _COMPILING_S
+    if is_worth_it:
         kernel = getattr(import_module(f"{__package__}.{module}"), name)
 
         def compiling(*arguments: Any) -> None:
@@ -128,7 +134,7 @@ def kernel_of(
 
 
 _VALUE_S, _BAND_S = 1e-6, 1e-8  # processor time of `plain` on a machine of 2020
-_SMALL_S, _COMPILING_S = 2.5, 10.0
+_SMALL_S, _COMPILING_S, _STARTING_S = 2.5, 10.0, 0.4
 _ready: set[str] = set()  # in this process
 _spent: dict[str, float] = {}  # of this process, where no folder can be written
 
