@@ -122,6 +122,7 @@ def peak_of_cube() -> float:
 
 def _peak() -> float:
     """In a process of its own: warm up on a small cube, then take a large one."""
+    importlib.import_module("numba")  # so that kernels, too, are there before the large one
     at, work = operating_point(), Work(threads=2)
     acquired(cube_of(textured(64, 64, BANDS)), at, mosaic=rgbw_2x2(), work=work)
     before = status_bytes("VmRSS")

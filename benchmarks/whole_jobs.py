@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,7 +57,7 @@ def used_by(arguments: list[str], folder: Path) -> Used:
     return Used(processor_s, time.perf_counter() - began, usage.ru_maxrss * 1024 / 1e6)
 
 
-def of_sensors(names: list[str]) -> str:
+def of_sensors(names: Sequence[str]) -> str:
     """A study of these sensors."""
     return "schema = 1\n" + "".join(f'[[sensors]]\nname = "{name}"\n' for name in names)
 
@@ -88,7 +89,7 @@ def many_sensors(folder: Path) -> None:
 
 def jobs(folder: Path) -> dict[str, tuple[list[str], float, float | None]]:
     """Arguments of each command, and its limits: processor time [s] and peak memory [MB]."""
-    (folder / "ten.toml").write_text(of_sensors(list(TEN)))
+    (folder / "ten.toml").write_text(of_sensors(TEN))
     many_sensors(folder)
     out = str(folder / "out")
     return {
