@@ -198,7 +198,7 @@ def answered(
         return "refused", error.faults, error.status
     except RecursionError:
         return "refused", (("", "request JSON is nested too deeply"),), 400
-    except MemoryError:
+    except (MemoryError, SystemError):  # the latter where an import runs out of memory
         return ("no memory",)
     except Exception:
         return "failed", traceback.format_exc()
