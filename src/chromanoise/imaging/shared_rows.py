@@ -283,7 +283,7 @@ def filled(
     counts: dict[int, list[Any]] = {}
     errors: dict[int, BaseException] = {}
 
-    def here(tell: Callable[[], object]) -> None:
+    def fill_in_turn(after_each: Callable[[], object]) -> None:
         for some in turns:
             first = some[0][0]
             try:
@@ -294,38 +294,38 @@ def filled(
                 for out in outputs:
                     release(out)
                 ended.append(some[-1][1] - first)
-                tell()
+                after_each()
             except BaseException as error:
                 errors[first] = error
             if errors:
                 return
 
-    def told() -> None:
+    def report_progress() -> None:
         while work.progress and ended:
             work.progress(ended.popleft())
 
-    def beside() -> None:
+    def in_another_thread() -> None:
         try:
-            here(lambda: None)
+            fill_in_turn(lambda: None)
         finally:
-            left.put(None)
+            finished.put(None)
 
-    left, others = SimpleQueue[None](), 0
+    finished, others = SimpleQueue[None](), 0
     try:
         while others < min(threads, len(handfuls)) - 1:
             try:
-                start_new_thread(beside, ())  # `Thread` would wait until it runs
+                start_new_thread(in_another_thread, ())  # `Thread` would wait until it runs
             except RuntimeError:  # no memory for its stack: those that run do all
                 break
             others += 1
-        here(told)
+        fill_in_turn(report_progress)
     finally:
         deque(turns, maxlen=0)  # after an interruption the others end, too
         for _ in range(others):
-            left.get()
+            finished.get()
     if errors:  # the first in order, whatever the timing
         raise errors[min(errors)]
-    told()
+    report_progress()
     return [one for some in handfuls for one in counts[some[0][0]]]
 
 

@@ -942,13 +942,11 @@ class Comparison(Result):
         first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
         best = optima_sentences(self.optima)
         crossed = [crossover_sentence(one) for one in self.shown_crossovers]
-        led = range_sentences(self.equal_color)
+        left_out = []
         if len(self.points) > MOST_CHECKED and not self.curves[0].quantity.of_raw:
-            over = self.curves[0].sweep.what
-            led = [
-                f"Over {over}, at most {MOST_CHECKED} sensors are compared at equal color error."
-            ]
-        return [*led, *best, *first, *crossed]
+            what = f"At most {MOST_CHECKED} sensors are compared at equal color error over"
+            left_out = [f"{what} {self.curves[0].sweep.what}."]
+        return [*range_sentences(self.equal_color), *best, *first, *crossed, *left_out]
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""

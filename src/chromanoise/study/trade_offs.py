@@ -956,9 +956,7 @@ def _by_light(trades: Sequence[TradeOff], prior: str | Spectra) -> dict[float, S
     return found | {trades[0].point.level_lux: trades}
 
 
-@lru_cache(
-    maxsize=MOST_CHECKED
-)  # sensors by identity: while only the level moves, they are the same
+@lru_cache(maxsize=MOST_CHECKED)  # sensors by identity: the same while only the level moves
 def _lit(
     point: tuple[Any, ...], levels_lux: tuple[float, ...], prior: str | Spectra, viewing: Viewing
 ) -> list[TradeOff | str]:

@@ -621,11 +621,8 @@ _ROWS = 3  # rows of constraints per parameter in a model
 _CURVATURE = 0.1  # of the first model
 _DAMPING = 0.2  # least share of the curvature that a step keeps (Powell, 1978)
 _ACTIVE = 1e-5  # multiplier of an active row
-_INTERIOR, _INTERIOR_GAP, _INTERIOR_ERROR = (
-    40,
-    1e-9,
-    1e-5,
-)  # iterations and end of a model's solution
+_INTERIOR = 40  # iterations of a model's solution
+_INTERIOR_GAP, _INTERIOR_ERROR = 1e-9, 1e-5  # where it ends
 _TINY = 1e-13
 
 _SCREENED, _NEAR = 4096, 0.1  # random candidates, and the share that is nearest to the constraints
