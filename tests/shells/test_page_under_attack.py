@@ -375,7 +375,8 @@ def test_a_file_that_takes_too_much_of_the_processor_is_refused(workers, monkeyp
 def test_a_computation_that_needs_too_much_memory_is_refused_in_one_sentence(workers, monkeypatch):
     queue = workers._lanes["pictures"]
     monkeypatch.setattr(queue, "_lane", replace(queue._lane, memory_bytes=3_000_000))
-    (refused,) = results(workers, ("picture", json.dumps({"study": STUDY}).encode()))
+    larger = STUDY | {"pictures": [{"cube": "builtin:dead-leaves"}]}  # than what is prepared
+    (refused,) = results(workers, ("picture", json.dumps({"study": larger}).encode()))
     assert isinstance(refused, QuestionError)
     assert "3 MB" in str(refused)
 

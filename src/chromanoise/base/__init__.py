@@ -114,6 +114,7 @@ if TYPE_CHECKING:
         exit_after,
         exit_code,
         held_bytes,
+        is_out_of_memory,
         keep_freed_memory,
         started_python,
         stopped_after,

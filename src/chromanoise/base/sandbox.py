@@ -7,6 +7,7 @@ once. It is replaced after a failure, because the state of the library is then u
 
 import atexit
 import contextlib
+import errno
 import faulthandler
 import math
 import os
@@ -125,10 +126,11 @@ def exit_after(served: Callable[[], None]) -> NoReturn:
     try:
         served()
         code = 0
-    except MemoryError:
-        code = NO_MEMORY
-    except BaseException:
-        traceback.print_exc()
+    except BaseException as error:
+        if is_out_of_memory(error):
+            code = NO_MEMORY
+        else:
+            traceback.print_exc()
     finally:
         os._exit(code)  # without cleanup, in which a library may crash or loop
 
@@ -242,6 +244,17 @@ class _Child:
 
 
 @cache
+def is_out_of_memory(error: BaseException) -> bool:
+    """Whether an error, or one that it followed from, says that memory ran out."""
+    chain: BaseException | None = error
+    while chain is not None:
+        # an import raises an OSError or ImportError with the text of the system
+        if isinstance(chain, MemoryError) or os.strerror(errno.ENOMEM) in str(chain):
+            return True
+        chain = chain.__cause__ or chain.__context__
+    return False
+
+
 def _child(pid: int) -> _Child:
     """The child of process ``pid``; a fork must not read replies meant for its parent."""
     child = _Child()
@@ -284,6 +297,7 @@ def main() -> None:
 
 def _answer_calls() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process handles Ctrl-C
+    _keep_memory_limit()
     nowhere = os.open(os.devnull, os.O_WRONLY)
     reads, writes = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     os.dup2(nowhere, 1)  # what a library prints
@@ -307,12 +321,21 @@ def _answer(function: Callable[..., Any], given: tuple[Any, ...], folder: str) -
         return "done", function(*given)
     except InputError as error:
         return "refused", error
-    except MemoryError:
-        return "no memory", None
     except Exception as error:  # libraries may raise any exception
+        if is_out_of_memory(error):
+            return "no memory", None
         from chromanoise.base.check import reason  # here, because it imports numpy
 
         return "failed", reason(error)
+
+
+def _keep_memory_limit() -> None:
+    """Keep the memory limit of the parent process, which it may have set for one job."""
+    if sys.platform == "linux":
+        import resource
+
+        soft, _ = resource.getrlimit(resource.RLIMIT_DATA)
+        resource.setrlimit(resource.RLIMIT_DATA, (soft, soft))
 
 
 def _bound(limit_s: float, memory_bytes: int) -> None:

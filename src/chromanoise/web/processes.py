@@ -166,7 +166,7 @@ class Nursery:
         Parameters
         ----------
         memory_bytes
-            Memory beyond what it starts with; limited on Linux only.
+            Memory of a job beyond what the process has prepared; limited on Linux only.
 
         Raises
         ------
@@ -277,7 +277,7 @@ class Lane:
     Attributes
     ----------
     memory_bytes
-        Memory of each process beyond what all of them share.
+        Memory of a job beyond what its process has prepared.
     """
 
     workers: int
@@ -306,8 +306,8 @@ class Job:
 
 LANES: Mapping[str, Lane] = {
     "questions": Lane(workers=2, memory_bytes=100_000_000),
-    "pictures": Lane(workers=1, memory_bytes=380_000_000),  # 150 MB of it for compiled kernels
-    "reports": Lane(workers=1, memory_bytes=380_000_000),
+    "pictures": Lane(workers=1, memory_bytes=240_000_000),
+    "reports": Lane(workers=1, memory_bytes=240_000_000),
     "uploads": Lane(workers=1, memory_bytes=240_000_000),
 }
 _QUESTIONS = ("choices", "story", "explanations", "answer", "texts", "csv")

@@ -16,7 +16,14 @@ import traceback
 from functools import partial
 from typing import Any, BinaryIO
 
-from chromanoise.base import InputError, exit_after, held_bytes, keep_freed_memory, stopped_after
+from chromanoise.base import (
+    InputError,
+    exit_after,
+    held_bytes,
+    is_out_of_memory,
+    keep_freed_memory,
+    stopped_after,
+)
 from chromanoise.imaging import watch_compiling
 from chromanoise.web.questions import QuestionError
 from chromanoise.web.services import Services
@@ -86,32 +93,21 @@ def _child(services: Services, end: int, memory_bytes: int) -> None:
     with contextlib.suppress(OSError):
         os.setpgid(0, 0)
     keep_freed_memory()
-    bound = _bounded(memory_bytes)
+    _set_limit("RLIMIT_CORE", 0)
     with socket.socket(fileno=end) as channel:
         reads, writes = channel.makefile("rb"), channel.makefile("wb")
-        _Answering(services, reads, writes, bound).serve()
-
-
-def _bounded(memory_bytes: int) -> int:
-    """Limit the memory of this process to what it holds now plus ``memory_bytes``.
-
-    Returns the number of held bytes above which another process should replace it.
-    """
-    import resource
-
-    held = held_bytes()
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_DATA, (held + memory_bytes,) * 2)
-    return held + memory_bytes // 2
+        _Answering(services, reads, writes, memory_bytes).serve()
 
 
 class _Answering:
-    """The services, the streams to the server, and the held bytes above which it is replaced."""
+    """The services, the streams to the server, and the memory of a job; ``None``: no limits."""
 
     def __init__(
-        self, services: Services, reads: BinaryIO, writes: BinaryIO, bound: int | None
+        self, services: Services, reads: BinaryIO, writes: BinaryIO, memory_bytes: int | None
     ) -> None:
-        self._services, self._reads, self._writes, self._bound = services, reads, writes, bound
+        self._services, self._reads, self._writes = services, reads, writes
+        self._memory_bytes = memory_bytes
+        self._prepared_bytes = 0 if memory_bytes is None else held_bytes()
         self._limit_s, self._kernels, self._began_s = math.inf, 0, 0.0
 
     def serve(self) -> None:
@@ -122,11 +118,10 @@ class _Answering:
     def _serve(self) -> None:
         while (asked := self._asked()) is not None:
             name, kept, given, cpu_s, limit_s = asked
-            self._bound_cpu(math.inf)  # preparing is not limited
-            answer = answered(self._services, "prepare", kept, (name, *given))
+            answer = self._prepared(kept, (name, *given))
             self._tell("begins")
             if answer[0] == "done":
-                self._bound_cpu(cpu_s)
+                self._bound(cpu_s)
                 with stopped_after(limit_s):
                     answer = answered(self._services, name, kept, given)
             is_spent = answer[0] in ("no memory", "failed") or self._is_spent(cpu_s)
@@ -134,11 +129,24 @@ class _Answering:
             if is_spent:
                 return
 
-    def _bound_cpu(self, cpu_s: float) -> None:
-        """Limit the CPU time of this process and of those that it starts from now on."""
-        if self._bound is not None:
+    def _prepared(self, kept: tuple[Upload, ...], given: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Prepare a job without limits: what the libraries need is not what a user asks for."""
+        if self._memory_bytes is None:
+            return answered(self._services, "prepare", kept, given)
+        self._limit_s = math.inf
+        _set_limit("RLIMIT_CPU", math.inf)
+        _set_limit("RLIMIT_DATA", math.inf)
+        before = held_bytes()
+        answer = answered(self._services, "prepare", kept, given)
+        self._prepared_bytes += max(0, held_bytes() - before)
+        return answer
+
+    def _bound(self, cpu_s: float) -> None:
+        """Limit this process and those that it starts from now on."""
+        if self._memory_bytes is not None:
             self._limit_s = time.process_time() + cpu_s
-            _set_cpu_limit(self._limit_s)
+            _set_limit("RLIMIT_CPU", self._limit_s)
+            _set_limit("RLIMIT_DATA", self._prepared_bytes + self._memory_bytes)
 
     def _compiling(self, is_begin: bool) -> None:
         """CPU time in which a kernel is compiled does not count; elapsed time does."""
@@ -146,17 +154,18 @@ class _Answering:
             return
         if is_begin and self._kernels == 0:
             self._began_s = time.process_time()
-            _set_cpu_limit(math.inf)
+            _set_limit("RLIMIT_CPU", math.inf)
         self._kernels += 1 if is_begin else -1
         if self._kernels == 0:
             self._limit_s += time.process_time() - self._began_s
-            _set_cpu_limit(self._limit_s)
+            _set_limit("RLIMIT_CPU", self._limit_s)
 
     def _is_spent(self, cpu_s: int) -> bool:
         """Whether a new process should replace it: its child processes inherit its CPU time."""
-        if self._bound is None:
+        if self._memory_bytes is None:
             return False
-        return held_bytes() > self._bound or time.process_time() > cpu_s
+        most = self._prepared_bytes + self._memory_bytes // 2
+        return held_bytes() > most or time.process_time() > cpu_s
 
     def _asked(self) -> tuple[str, tuple[Upload, ...], tuple[Any, ...], int, float] | None:
         try:
@@ -170,11 +179,13 @@ class _Answering:
             self._writes.flush()
 
 
-def _set_cpu_limit(seconds: float) -> None:
-    import resource
+def _set_limit(name: str, value: float) -> None:
+    import resource  # not on Windows
 
-    limit = resource.RLIM_INFINITY if math.isinf(seconds) else math.ceil(seconds)
-    resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+    what = getattr(resource, name)
+    hard = resource.getrlimit(what)[1]
+    soft = hard if math.isinf(value) else math.ceil(value)
+    resource.setrlimit(what, (soft if hard == resource.RLIM_INFINITY else min(soft, hard), hard))
 
 
 def answered(
@@ -198,7 +209,8 @@ def answered(
         return "refused", error.faults, error.status
     except RecursionError:
         return "refused", (("", "request JSON is nested too deeply"),), 400
-    except (MemoryError, SystemError):  # the latter where an import runs out of memory
-        return ("no memory",)
-    except Exception:
+    except Exception as error:
+        # a SystemError: where an import runs out of memory
+        if isinstance(error, SystemError) or is_out_of_memory(error):
+            return ("no memory",)
         return "failed", traceback.format_exc()
