@@ -578,17 +578,18 @@ def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch,
 
 
 def test_cpu_time_in_which_kernels_are_compiled_does_not_count(monkeypatch, tmp_path):
-    limits_s, now_s, services = [], iter([10.5, 11.0, 31.0]), Services(Kept())
-    monkeypatch.setattr(worker, "_set_cpu_limit", limits_s.append)
+    limits, now_s, services = [], iter([10.5, 11.0, 31.0]), Services(Kept())
+    monkeypatch.setattr(worker, "_set_limit", lambda *given: limits.append(given))
     monkeypatch.setattr(worker.time, "process_time", lambda: next(now_s))
     (tmp_path / "none").touch()
     with (tmp_path / "none").open("rb") as reads, (tmp_path / "answers").open("wb") as writes:
         one = worker._Answering(services, reads, writes, 10**9)
         one._compiling(True)  # before a job: nothing limits it
         one._compiling(False)
-        one._bound_cpu(25)
+        one._bound(25)
         for is_begin in (True, True, False, False):  # one kernel calls another one
             one._compiling(is_begin)
+    limits_s = [value for name, value in limits if name == "RLIMIT_CPU"]
     assert limits_s == [35.5, math.inf, 55.5]
 
 

@@ -243,7 +243,6 @@ class _Child:
         return exit_code(process)
 
 
-@cache
 def is_out_of_memory(error: BaseException) -> bool:
     """Whether an error, or one that it followed from, says that memory ran out."""
     chain: BaseException | None = error
@@ -255,6 +254,7 @@ def is_out_of_memory(error: BaseException) -> bool:
     return False
 
 
+@cache
 def _child(pid: int) -> _Child:
     """The child of process ``pid``; a fork must not read replies meant for its parent."""
     child = _Child()
