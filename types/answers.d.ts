@@ -206,7 +206,7 @@ export interface Choices {
   /** Where the tables of illuminants end that need an answer to `light.beyond`. */
   illuminant_ends_nm: Record<string, number>;
   scenes?: string[];
-  denoising: { name: string; what: string }[];
+  denoising: { name: string; what: string; needs: string[] }[];
   matrices: { name: string; parameter: Parameter | null }[];
   priors: string[];
   coordinates?: string[];

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from chromanoise.base.rng import stream
-from chromanoise.imaging import kernel_cache, plain
+from chromanoise.imaging import kernel_cache, noise_draws, noisy_electrons, plain, sampling
 from chromanoise.imaging.blocks import Converter, Draw, Layout, RowsInMemory, Well
 from chromanoise.imaging.plans import srgb_table
 
@@ -145,6 +145,17 @@ def test_plain_pictures_have_the_bits_of_the_kernels(layout, draw):
         made.append((codes, xyz.view(np.uint32), srgb, counts, seen[:8].min(), seen[8:].max()))
     for ours, theirs in zip(*made, strict=True):
         np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("read_noise_e", [0.0, 0.3, 2.0])
+def test_plain_noise_has_the_bits_of_the_kernel(read_noise_e, monkeypatch):
+    mean = np.exp(stream(5).uniform(-3, 9, (33, 40, 5)))
+    tile = {"first_row": 7, "first_column": 3, "width": 50, "frame": 2, "seed": 2**40 + 1}
+    found = []
+    for module in (plain, noise_draws):
+        monkeypatch.setattr(sampling, "kernel_of", lambda *_, of=module: of.fill_noise)
+        found.append(noisy_electrons(mean, read_noise_e=read_noise_e, **tile))
+    np.testing.assert_array_equal(*found)
 
 
 def test_the_first_small_picture_needs_no_compiler(tmp_path):

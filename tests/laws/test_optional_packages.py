@@ -1,6 +1,7 @@
 """What needs an optional package names the extra that installs it, in one sentence."""
 
 import ast
+import json
 import re
 import subprocess
 import sys
@@ -93,6 +94,15 @@ main(sys.argv[1:])
 def _without_numba(*arguments):
     command = [sys.executable, "-c", WITHOUT_NUMBA, *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_without_numba_the_benchmark_compares_the_methods_that_need_none():
+    words = ("builtin:checker", "--crop", "32", "--sensor", "onyx-rgb", "--levels", "10")
+    found = _without_numba("denoise-bench", *words, "--json", "-")
+    compared = {cell["method"] for cell in json.loads(found.stdout)["cells"]}
+    needing = {name for name, one in DENOISING.items() if one.compiled}
+    assert {"guided", "lmmse"} <= compared <= {*DENOISING} - needing
+    assert all(f"not compared: {name}, which needs numba" in found.stderr for name in needing)
 
 
 def test_without_numba_a_search_names_the_extra_and_writes_nothing(tmp_path):

@@ -219,6 +219,14 @@ def test_a_slider_a_dropped_file_a_table_and_the_tour_work(opened, site, native,
     story.wait_for(state="hidden")
 
 
+def test_a_denoising_method_that_needs_another_package_cannot_be_chosen(opened):
+    page = opened(FILE.as_uri())
+    method = page.get_by_label("Denoising", exact=True)
+    sync_api.expect(method.locator("option[value=patches]")).to_be_disabled()
+    sync_api.expect(method.locator("option[value=guided]")).to_be_enabled()
+    assert "numba" in method.locator("option[value=patches]").text_content()
+
+
 def test_no_rule_of_accessibility_is_broken(opened, axe):
     page = opened(FILE.as_uri())
     page.locator(

@@ -1,6 +1,7 @@
 """Denoising on the page: its methods, the pictures with and without one, and the divider."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -41,8 +42,14 @@ def question(**given):
 @pytest.mark.usefixtures("calls")
 def test_the_page_offers_every_method_but_the_baselines():
     offered = choices.__wrapped__()["denoising"]
-    assert {"name": "means", "what": "The means."} in offered
+    assert {"name": "means", "what": "The means.", "needs": []} in offered
     assert "theirs" not in [one["name"] for one in offered]
+
+
+def test_the_page_names_the_package_that_a_method_needs(monkeypatch):
+    monkeypatch.setitem(sys.modules, "numba", None)
+    needs = {one["name"]: one["needs"] for one in choices.__wrapped__()["denoising"]}
+    assert (needs["patches"], needs["guided"]) == (["numba"], [])
 
 
 def test_a_denoised_picture_is_computed_once_and_the_others_do_not_depend_on_it(calls):

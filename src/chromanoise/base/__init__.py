@@ -58,7 +58,7 @@ if TYPE_CHECKING:
         unit_columns,
         whitening,
     )
-    from chromanoise.base.packages import optional_package, refuse_absent_package
+    from chromanoise.base.packages import is_absent, optional_package, refuse_absent_package
     from chromanoise.base.palette import (
         CHANNELS,
         DIFFERENCES,

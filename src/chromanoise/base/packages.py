@@ -65,8 +65,13 @@ def refuse_absent_package(
     otherwise: Sequence[Remedy] = (),
 ) -> None:
     """Like `optional_package`, for a package that is imported later or by another process."""
-    if find_spec(name.partition(".")[0]) is None:
+    if is_absent(name):
         raise _absent(name, needed_by, extra, where, value, otherwise)
+
+
+def is_absent(name: str) -> bool:
+    """Whether a package, or that of a module with dots, is not installed."""
+    return find_spec(name.partition(".")[0]) is None
 
 
 def _absent(

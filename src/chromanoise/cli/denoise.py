@@ -247,7 +247,7 @@ def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
     old="--method",
     multiple=True,
     type=click.Choice(list(DENOISING)),
-    help="Denoising method; repeatable. [default: all]",
+    help="Denoising method; repeatable. [default: all whose packages are installed]",
 )
 @click.option(
     "--demosaic",
@@ -290,7 +290,12 @@ def denoise_bench(
         raise InputError("--processes", f"must be 1 to {_MOST_PROCESSES}", value=processes)
     if out is not None:
         refuse_unwritable(out)
-    chosen = methods or tuple(DENOISING)
+    absent = {name: one.absent_packages for name, one in DENOISING.items() if one.absent_packages}
+    chosen = methods or tuple(name for name in DENOISING if name not in absent)
+    if not methods:
+        for name, ((package, extra), *_) in absent.items():
+            said = f"not compared: {name}, which needs {package}; install chromanoise[{extra}]"
+            click.echo(said, err=True)
     sensors = cameras or BENCHMARK_CAMERAS
     scenes = [_scene(cube, crop, of_cubes) for cube in cubes or BENCHMARK_SCENES]
     count = len(scenes) * len(sensors) * len(levels) * len(chosen)

@@ -114,21 +114,23 @@ def kernel_of(
     if is_worth_it:
         kernel = getattr(import_module(f"{__package__}.{module}"), name)
 
-        def compiling(*arguments: Any) -> None:
-            kernel(*arguments)
+        def compiling(*arguments: Any) -> Any:
+            returned = kernel(*arguments)
             _ready.add(what)
             with suppress(OSError):
                 if ready:
                     ready.touch()
+            return returned
 
         if is_ready:
             _ready.add(what)
         return kernel if is_ready else compiling
 
-    def timed(*arguments: Any) -> None:
+    def timed(*arguments: Any) -> Any:
         began = time.thread_time()
-        plain(*arguments)
+        returned = plain(*arguments)
         _add_spent(spent, what, time.thread_time() - began)
+        return returned
 
     return timed
 

@@ -6,7 +6,7 @@ pixels. Therefore small pictures are computed here until they have cost as much 
 Every product, sum, quotient and root stands in the same order and precision as in the compiled
 kernel, so the two agree bit for bit. ``a b + c`` in one rounding is made from float64. The
 functions with the name of a kernel take its arguments: `raw_rows`, `color_rows`,
-`color_of_electrons`, `demosaic_block`.
+`color_of_electrons`, `demosaic_block`, `fill_noise`.
 """
 
 import math
@@ -289,6 +289,32 @@ def words_of(pixel: Any, purpose: int, frame: int, channel: Any, seed: int) -> A
     four = philox4x32(counter, (seed & 0xFFFFFFFF, seed >> 32))
     which = np.broadcast_to(channel & np.uint64(3), four[0].shape)
     return np.choose(which.astype(np.intp), four).astype(np.uint32)
+
+
+def fill_noise(
+    mean: Float32[Array, "n p"],
+    electrons: Float32[Array, "n p"],
+    start: int,
+    stop: int,
+    tile_width: int,
+    origin: int,
+    width: int,
+    frame: np.uint64,
+    seed: np.uint64,
+    read_noise_e: np.float32,
+) -> int:
+    """Fill pixels ``start`` to ``stop``, unless means are refused; how many are."""
+    here = mean[start:stop]
+    refused = int(np.count_nonzero(~((here >= 0) & (here < np.inf))))
+    if refused == 0:
+        row, column = np.divmod(np.arange(start, stop)[:, None], tile_width)
+        pixel, channel = origin + row * width + column, np.arange(mean.shape[1])
+
+        def words(purpose: int) -> Array:
+            return words_of(pixel, purpose, int(frame), channel, int(seed))
+
+        electrons[start:stop] = electrons_of(here, words, read_noise_e)
+    return refused
 
 
 def electrons_of(

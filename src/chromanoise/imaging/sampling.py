@@ -7,6 +7,7 @@ import numpy as np
 
 from chromanoise.base import Array, Float, Float32, InputError, check
 from chromanoise.imaging.blocks import new_rows
+from chromanoise.imaging.kernel_cache import kernel_of
 
 _CHUNK_LANES = 1 << 16  # values per task of a thread, about a millisecond
 _PIXEL_BITS, _FRAME_BITS, _SEED_BITS = 48, 32, 64  # what the counter holds, see philox.py
@@ -106,16 +107,14 @@ def _fill(
     threads: int | None,
 ) -> int:
     """Fill ``electrons`` chunk by chunk; the result is the number of refused means."""
-    # imported here because importing numba takes a quarter of a second
-    from chromanoise.imaging.noise_draws import fill_noise
-
+    fill_noise = kernel_of("noise_draws", "fill_noise", mean.size)
     pixels, channels = mean.shape
     step = max(1, _CHUNK_LANES // channels)
     own_width, origin, width = place
 
     def fill(start: int) -> int:
         stop = min(start + step, pixels)
-        return fill_noise(
+        refused: int = fill_noise(
             mean,
             electrons,
             start,
@@ -127,6 +126,7 @@ def _fill(
             np.uint64(seed),
             np.float32(read_noise_e),
         )
+        return refused
 
     starts = range(0, pixels, step)
     workers = min(threads or os.cpu_count() or 1, len(starts))

@@ -293,7 +293,7 @@ def choices() -> dict[str, Any]:
         "illuminant_ends_nm": _ends_nm(),
         "scenes": list(BUILTIN_CUBES),
         "denoising": [
-            {"name": one.name, "what": one.what}
+            {"name": one.name, "what": one.what, "needs": [name for name, _ in one.absent_packages]}
             for one in DENOISING.values()
             if not one.baseline  # baselines are other packages, for `denoise-bench`
         ],

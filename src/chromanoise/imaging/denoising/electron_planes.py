@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, check, eigh
+from chromanoise.base import Array, Float, Float32, InputError, check, eigh, is_absent
 from chromanoise.sensor import VarianceLaw
 
 SIDE = 4
@@ -259,6 +259,13 @@ class DenoisingMethod:
     baseline: bool = False
     packages: tuple[str, ...] = ()
     compiled: bool = False
+
+    @property
+    def absent_packages(self) -> tuple[tuple[str, str], ...]:
+        """What it needs and is not installed, each with the extra that installs it."""
+        needed = [(package, "denoise") for package in self.packages]
+        needed += [("numba", "compiled")] if self.compiled else []
+        return tuple((package, extra) for package, extra in needed if is_absent(package))
 
 
 _EXACT_COUNTS = 400.0  # mean counts up to which the expectation is summed

@@ -161,9 +161,7 @@ def _package(
 
 
 def _refuse_absent(method: DenoisingMethod) -> None:
-    needed = [(package, "denoise") for package in method.packages]
-    needed += [("numba", "compiled")] if method.compiled else []
-    for package, extra in needed:
+    for package, extra in method.absent_packages:
         refuse_absent_package(
             package,
             "denoise",

@@ -5,7 +5,7 @@ import { say, uniqueId } from "draw/svg.js";
 export { say, uniqueId };
 
 /** @typedef {string | number | boolean | null | undefined} Value */
-/** @typedef {string | string[]} Option a name, or a value and its label */
+/** @typedef {string | string[]} Option a name; or a value, its label, and "disabled" where it is not to be chosen */
 /** @typedef {{ [event: string]: (event: any) => unknown }} Listeners */
 /** @typedef {{ on?: Listeners, text?: string } & { [attribute: string]: Value | Listeners }} ElOptions */
 /**
@@ -106,7 +106,7 @@ export function fillChoice(select, options, value) {
   const filling = JSON.stringify(pairs);
   if (filled.get(select) !== filling) {
     filled.set(select, filling);
-    select.replaceChildren(...pairs.map(([own, text]) => el("option", { value: own, text })));
+    select.replaceChildren(...pairs.map(([own, text, state]) => el("option", { value: own, text, disabled: state === "disabled" })));
   }
   if (value !== undefined && select.value !== value) select.value = value;
 }

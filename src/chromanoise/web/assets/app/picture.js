@@ -141,7 +141,9 @@ class View {
       const first = wanted[side].replace(/^\d+/, "0");
       fillChoice(select, options, values.includes(wanted[side]) ? wanted[side] : first);
     });
-    const known = this.methods.map(({ name }) => name);
+    const known = this.methods.map(({ name, needs }) =>
+      needs.length ? [name, `${name}: needs ${needs.join(", ")}`, "disabled"] : [name, name],
+    );
     fillChoice(this.method.select, [NO_METHOD, ...known], method ?? "");
     this.method.row.hidden = !method && known.length === 0;
     this.#describe(method);
