@@ -8,13 +8,16 @@ import sys
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import chromanoise as cn
+from chromanoise.apps.training import sampler
 from chromanoise.base import optional_package, refuse_absent_package
 from chromanoise.imaging.denoising import DENOISING
 from chromanoise.io import Column, Result, Table
-from chromanoise.study import running
+from chromanoise.sensor import CameraNoise
+from chromanoise.study import running, sensor_named
 from outcomes import refused_input
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -103,6 +106,13 @@ def test_without_numba_the_benchmark_compares_the_methods_that_need_none():
     needing = {name for name, one in DENOISING.items() if one.compiled}
     assert {"guided", "lmmse"} <= compared <= {*DENOISING} - needing
     assert all(f"not compared: {name}, which needs numba" in found.stderr for name in needing)
+
+
+def test_without_numba_training_noise_names_the_extra(monkeypatch):
+    add_noise = sampler(CameraNoise.from_sensor(sensor_named("onyx-rgb")))
+    monkeypatch.setitem(sys.modules, "numba", None)
+    with refused_input(subject="training noise", requirement="needs the package numba"):
+        add_noise(np.ones((2, 2, 3)), unit="electron")
 
 
 def test_without_numba_a_search_names_the_extra_and_writes_nothing(tmp_path):

@@ -20,6 +20,7 @@ from chromanoise.base import (
     InputError,
     Setting,
     check,
+    refuse_absent_package,
     renamed_keywords,
     stream,
 )
@@ -162,7 +163,7 @@ class NoiseSampler:
         ------
         InputError
             If a clean value is below black or not finite, if its shape is not as above, if the
-            ISO or the time is missing, or if a number is out of range.
+            ISO or the time is missing, if a number is out of range, or if numba is not installed.
 
         Notes
         -----
@@ -178,6 +179,7 @@ class NoiseSampler:
         >>> float(sample.variance[0, 0]), bool(abs(sample.noisy.var() - 100) < 10)
         (100.0, True)
         """
+        refuse_absent_package("numba", "training noise", extra="compiled")
         from chromanoise.apps.training.training_kernels import add_noise
 
         camera, dark_e = self._settings(item, iso, time_s)
