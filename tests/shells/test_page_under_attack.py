@@ -579,7 +579,7 @@ def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch,
 
 def test_cpu_time_in_which_kernels_are_compiled_does_not_count(monkeypatch, tmp_path):
     limits, now_s, services = [], iter([10.5, 11.0, 31.0]), Services(Kept())
-    monkeypatch.setattr(worker, "_set_limit", lambda *given: limits.append(given))
+    monkeypatch.setattr(worker, "set_limit", lambda *given: limits.append(given))
     monkeypatch.setattr(worker.time, "process_time", lambda: next(now_s))
     (tmp_path / "none").touch()
     with (tmp_path / "none").open("rb") as reads, (tmp_path / "answers").open("wb") as writes:

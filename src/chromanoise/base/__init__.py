@@ -116,6 +116,7 @@ if TYPE_CHECKING:
         held_bytes,
         is_out_of_memory,
         keep_freed_memory,
+        set_limit,
         started_python,
         stopped_after,
     )

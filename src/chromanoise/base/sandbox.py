@@ -243,6 +243,16 @@ class _Child:
         return exit_code(process)
 
 
+def set_limit(name: str, value: float) -> None:
+    """Limit this process, such as its ``RLIMIT_DATA``, within its hard limit; not on Windows."""
+    import resource
+
+    what = getattr(resource, name)
+    hard = resource.getrlimit(what)[1]
+    soft = hard if math.isinf(value) else math.ceil(value)
+    resource.setrlimit(what, (soft if hard == resource.RLIM_INFINITY else min(soft, hard), hard))
+
+
 def is_out_of_memory(error: BaseException) -> bool:
     """Whether an error, or one that it followed from, says that memory ran out."""
     chain: BaseException | None = error
@@ -342,15 +352,7 @@ def _bound(limit_s: float, memory_bytes: int) -> None:
     """Limit memory and CPU time of the next call, within the limits of the parent process."""
     if sys.platform != "linux":
         return
-    import resource
-
-    def limit(what: int, value: int) -> None:
-        hard = resource.getrlimit(what)[1]
-        resource.setrlimit(
-            what, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard)
-        )
-
-    limit(resource.RLIMIT_CORE, 0)
-    limit(resource.RLIMIT_DATA, held_bytes() + memory_bytes)
+    set_limit("RLIMIT_CORE", 0)
+    set_limit("RLIMIT_DATA", held_bytes() + memory_bytes)
     whole_s = time.process_time() + limit_s * (os.cpu_count() or 1)  # threads count
-    limit(resource.RLIMIT_CPU, math.ceil(whole_s) + 1)
+    set_limit("RLIMIT_CPU", math.ceil(whole_s) + 1)

@@ -22,6 +22,7 @@ from chromanoise.base import (
     held_bytes,
     is_out_of_memory,
     keep_freed_memory,
+    set_limit,
     stopped_after,
 )
 from chromanoise.imaging import watch_compiling
@@ -93,7 +94,7 @@ def _child(services: Services, end: int, memory_bytes: int) -> None:
     with contextlib.suppress(OSError):
         os.setpgid(0, 0)
     keep_freed_memory()
-    _set_limit("RLIMIT_CORE", 0)
+    set_limit("RLIMIT_CORE", 0)
     with socket.socket(fileno=end) as channel:
         reads, writes = channel.makefile("rb"), channel.makefile("wb")
         _Answering(services, reads, writes, memory_bytes).serve()
@@ -134,8 +135,8 @@ class _Answering:
         if self._memory_bytes is None:
             return answered(self._services, "prepare", kept, given)
         self._limit_s = math.inf
-        _set_limit("RLIMIT_CPU", math.inf)
-        _set_limit("RLIMIT_DATA", math.inf)
+        set_limit("RLIMIT_CPU", math.inf)
+        set_limit("RLIMIT_DATA", math.inf)
         before = held_bytes()
         answer = answered(self._services, "prepare", kept, given)
         self._prepared_bytes += max(0, held_bytes() - before)
@@ -145,8 +146,8 @@ class _Answering:
         """Limit this process and those that it starts from now on."""
         if self._memory_bytes is not None:
             self._limit_s = time.process_time() + cpu_s
-            _set_limit("RLIMIT_CPU", self._limit_s)
-            _set_limit("RLIMIT_DATA", self._prepared_bytes + self._memory_bytes)
+            set_limit("RLIMIT_CPU", self._limit_s)
+            set_limit("RLIMIT_DATA", self._prepared_bytes + self._memory_bytes)
 
     def _compiling(self, is_begin: bool) -> None:
         """CPU time in which a kernel is compiled does not count; elapsed time does."""
@@ -154,11 +155,11 @@ class _Answering:
             return
         if is_begin and self._kernels == 0:
             self._began_s = time.process_time()
-            _set_limit("RLIMIT_CPU", math.inf)
+            set_limit("RLIMIT_CPU", math.inf)
         self._kernels += 1 if is_begin else -1
         if self._kernels == 0:
             self._limit_s += time.process_time() - self._began_s
-            _set_limit("RLIMIT_CPU", self._limit_s)
+            set_limit("RLIMIT_CPU", self._limit_s)
 
     def _is_spent(self, cpu_s: int) -> bool:
         """Whether a new process should replace it: its child processes inherit its CPU time."""
@@ -177,15 +178,6 @@ class _Answering:
         with contextlib.suppress(OSError):  # the server has ended; the next read finds out
             pickle.dump(what, self._writes)
             self._writes.flush()
-
-
-def _set_limit(name: str, value: float) -> None:
-    import resource  # not on Windows
-
-    what = getattr(resource, name)
-    hard = resource.getrlimit(what)[1]
-    soft = hard if math.isinf(value) else math.ceil(value)
-    resource.setrlimit(what, (soft if hard == resource.RLIM_INFINITY else min(soft, hard), hard))
 
 
 def answered(
