@@ -41,7 +41,7 @@ def of_pixel() -> str:
     of_class = "".join(f"    {name}: float | None = ...\n" for name in PIXEL)
     of_settings = "".join(f"    {name}: float\n" for name in beside_their_needs(PIXEL))
     return (
-        f"{_PIXEL_HEAD}\n@dataclass(frozen=True, slots=True, kw_only=True)\nclass PartialPixel:\n"
+        f"{_PIXEL_HEAD}\n@dataclass(frozen=True, kw_only=True)\nclass PartialPixel:\n"
         f"{of_class}\nclass PixelSettings(TypedDict, total=False):\n{of_settings}"
     )
 

@@ -3,14 +3,14 @@
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack
 
 import numpy as np
 
 from chromanoise.apps.design import DEFAULT_OBJECTIVES, Sensitivity, half_widths, sensitivity_of
-from chromanoise.base import InputError, Setting, no_place_for, renamed_keywords
+from chromanoise.base import InputError, Setting, dataclass, no_place_for, renamed_keywords
 from chromanoise.color import ColorMatrix
 from chromanoise.imaging import Work
 from chromanoise.io import matrix_of_array
@@ -860,7 +860,7 @@ class _Named:
         return word
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _OnGrid:
     """Reflectances of an operating point, which are on the grid already."""
 

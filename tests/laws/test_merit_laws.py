@@ -1,5 +1,7 @@
 """Laws of the figures of merit; each has its known values in tests/known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings, strategies as st
@@ -29,7 +31,6 @@ from chromanoise.metrics.speed import (
 )
 from chromanoise.metrics.visual_noise import (
     ISO_15739_2017,
-    VisualNoiseModel,
     contrast_sensitivity,
     frequencies_cpd,
     visual_noise_from_spectrum,
@@ -334,13 +335,11 @@ def test_a_flat_picture_has_no_visual_noise():
 
 
 def test_a_visual_noise_model_without_meaning_is_refused():
-    def model(**changed):
-        fields = {name: getattr(ISO_15739_2017, name) for name in ISO_15739_2017.__slots__}
-        return VisualNoiseModel(**(fields | changed))
-
     with refused_input(subject=f"K of luminance of {ISO_15739_2017.edition}", value=0.0):
-        model(luminance=(75.0, 0.2, 0.8, 0.0))
+        replace(ISO_15739_2017, luminance=(75.0, 0.2, 0.8, 0.0))
     with refused_input(subject=f"opponent_from_xyz of {ISO_15739_2017.edition}", value=(3, 3)):
-        model(opponent_from_xyz=((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+        replace(
+            ISO_15739_2017, opponent_from_xyz=((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+        )
     with refused_input(subject="pixels_per_degree", value=0.0):
         frequencies_cpd((4, 4), pixels_per_degree=0.0)

@@ -3,7 +3,7 @@
 import io
 import math
 import tomllib
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -306,7 +306,7 @@ def test_a_frame_depends_on_camera_and_number_but_not_on_what_was_drawn_before()
     backward = [NOISY.frame(**exposure, number=n) for n in reversed(range(4))]
     assert all((a == b).all() for a, b in zip(forward, backward[::-1], strict=True))
     assert (forward[0] != forward[1]).mean() > 0.9
-    other = VirtualCamera(**{name: getattr(NOISY, name) for name in NOISY.__slots__} | {"seed": 6})
+    other = replace(NOISY, seed=6)
     assert (other.frame(**exposure) != forward[0]).mean() > 0.9
 
 

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.base.above import from_above, register_above
     from chromanoise.base.check import Array, among, distinct, frozen, one_of, printable, reason
     from chromanoise.base.errors import (
         InputError as InputError,
@@ -35,8 +34,16 @@ if TYPE_CHECKING:
         write_kept,
         write_whole,
     )
+    from chromanoise.base.immutable import dataclass
     from chromanoise.base.inputs import content_hash, json_file, json_of, regular_file, true_path
-    from chromanoise.base.lazy import MovedPackages, lazy_names, renamed_keywords, warn_of_old_name
+    from chromanoise.base.lazy import (
+        MovedPackages,
+        from_above,
+        lazy_names,
+        register_above,
+        renamed_keywords,
+        warn_of_old_name,
+    )
     from chromanoise.base.linalg import (
         RANK_TOLERANCE,
         angles_deg,

@@ -7,14 +7,16 @@ terms: the command line names the option, a study file the line and key, the pag
 
 import json
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
+
+from chromanoise.base.immutable import dataclass
 
 _LONGEST_VALUE = 80
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Setting:
     """A parameter that resolves an error when the user sets it.
 

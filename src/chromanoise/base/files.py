@@ -34,12 +34,13 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import IO, Any
 
 from chromanoise.base.errors import InputError, StudyError, errors_in
+from chromanoise.base.immutable import dataclass
 from chromanoise.base.inputs import json_file, json_of
 
 if sys.platform not in ("win32", "wasi"):
@@ -121,7 +122,7 @@ def claimed_folder(folder: Path, command: str) -> Iterator["ClaimedFolder"]:
                     parent.rmdir()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Own:
     """An entry of the list: the command, and the SHA-256 of each content that the file may have."""
 
@@ -129,7 +130,7 @@ class _Own:
     sha256: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ClaimedFolder:
     """A folder into which only this run writes; made by `claimed_folder`.
 

@@ -8,7 +8,7 @@ from functools import wraps
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from types import ModuleType
-from typing import ParamSpec, Protocol, TypeVar
+from typing import Any, ParamSpec, Protocol, TypeVar
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -314,3 +314,24 @@ def _imports(package: str) -> tuple[dict[str, tuple[str, str]], list[str]]:
             if alias.asname == alias.name:
                 public.append(alias.name)
     return module_of, sorted(public)
+
+
+# ---- what a package uses of higher layers: a result draws itself without importing charts ----
+
+_ABOVE: dict[str, str] = {}
+
+
+def register_above(**modules: str) -> None:
+    """Register modules of higher packages, imported on first use.
+
+    Parameters
+    ----------
+    modules
+        The dotted name of a module by the name under which lower packages ask for it.
+    """
+    _ABOVE.update(modules)
+
+
+def from_above(name: str) -> Any:
+    """The module that is registered under a name."""
+    return import_module(_ABOVE[name])

@@ -7,13 +7,14 @@ documents the field takes them from there.
 
 import math
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass, make_dataclass, replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from functools import cache
 from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
 from chromanoise.base import check
 from chromanoise.base.errors import InputError
+from chromanoise.base.immutable import dataclass
 from chromanoise.base.records import After
 
 
@@ -32,7 +33,7 @@ class Growth(NamedTuple):
 _NONE = Growth()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Property:
     """What a field of a class means, and which values it takes.
 
@@ -121,7 +122,7 @@ class Property:
         return {"minimum": self.least, "maximum": self.most}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Interface:
     """How interfaces offer a key of a study, beyond its type, its default and its description.
 
@@ -238,8 +239,9 @@ def partial_class(name: str, properties: Mapping[str, Property]) -> type:
     properties
         Its fields by name, in order.
     """
-    given = [(field, Annotated[float | None, one], None) for field, one in properties.items()]
-    found = make_dataclass(name, given, frozen=True, slots=True, kw_only=True)
+    given = {field: Annotated[float | None, one] for field, one in properties.items()}
+    values = {"__annotations__": given, "__module__": __name__, **dict.fromkeys(properties)}
+    found: type = dataclass(frozen=True, kw_only=True)(type(name, (), values))
     lines = "".join(f"\n{field}\n    {one.help}" for field, one in properties.items())
     summary = "Values any of which may be given; ``None`` for the others."
     found.__doc__ = f"{summary}\n\nAttributes\n----------{lines}\n"

@@ -14,7 +14,7 @@ import inspect
 import json
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, is_dataclass, replace
+from dataclasses import asdict, field, is_dataclass, replace
 from functools import cache
 from types import NoneType, UnionType
 from typing import (
@@ -31,6 +31,7 @@ from typing import (
 from weakref import WeakKeyDictionary
 
 from chromanoise.base.errors import InputError, did_you_mean, errors_in, known_name
+from chromanoise.base.immutable import dataclass
 
 Key = tuple[str | int, ...]
 """Where a value is: ("sensors", 0, "name")."""
@@ -39,7 +40,7 @@ _Check = Callable[[Any, "Place"], Any]
 _LONGEST_WORD = 80
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Place:
     """Where a value is checked.
 
@@ -81,7 +82,7 @@ class Place:
         return _REFUSED
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Fault:
     """What is wrong with a document.
 
@@ -120,7 +121,7 @@ _TAKES_PLACE: WeakKeyDictionary[Callable[..., Any], bool] = WeakKeyDictionary()
 _REQUIRED: Any = ...
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class DeclaredField:
     """A field of a record, or bounds of a type inside ``Annotated``: see `Field`.
 
@@ -196,7 +197,7 @@ def Field(default: Any = _REQUIRED, description: str = "", **facts: Any) -> Any:
     return DeclaredField(default, description, **facts)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class After:
     """A check of a value that has its type; it returns the value or raises an error.
 
@@ -223,7 +224,7 @@ class Before(After):
     """As `After`, but of what is given, before the check of its type."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Written:
     """How a value is written as plain data, where that differs."""
 

@@ -17,7 +17,7 @@ import re
 import reprlib
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, fields, is_dataclass
+from dataclasses import KW_ONLY, fields, is_dataclass
 from functools import cache, partial, reduce
 from operator import or_
 from types import NoneType, UnionType
@@ -25,10 +25,11 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 
+from chromanoise.base.immutable import dataclass
 from chromanoise.base.version import __version__
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class JsonKey:
     """One key of a record in JSON.
 
@@ -221,13 +222,18 @@ def _at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
     if path == ".":
         return owners[-1]
     steps = path.split(".")
-    having = (one for one in reversed(owners) if hasattr(type(one), steps[0]))
+    having = (one for one in reversed(owners) if _has(type(one), steps[0]))
     value = next(having, owners[-1])
     for step in steps:
         if value is None:
             return None
         value = value[int(step)] if step.isdecimal() else getattr(value, step)
     return value
+
+
+def _has(kind: Any, name: str) -> bool:
+    """Whether instances of a class have a field, a property or a constant of this name."""
+    return name in getattr(kind, "__dataclass_fields__", ()) or hasattr(kind, name)
 
 
 def _named(value: Any, by: Sequence[str | tuple[str, ...]], owners: tuple[Any, ...]) -> Any:
@@ -387,7 +393,7 @@ def _kind_at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
     if path == ".":
         return owners[-1]
     steps = path.split(".")
-    kind = next((one for one in reversed(owners) if hasattr(one, steps[0])), owners[-1])
+    kind = next((one for one in reversed(owners) if _has(one, steps[0])), owners[-1])
     missing = False
     for step in steps:
         own = _unless_none(kind)
@@ -415,7 +421,7 @@ def _text_of(key: JsonKey, owners: tuple[Any, ...]) -> str:
         text = _first_paragraph(path)
     else:
         before, _, last = path.rpartition(".")
-        near = next((one for one in reversed(owners) if hasattr(one, last)), owners[-1])
+        near = next((one for one in reversed(owners) if _has(one, last)), owners[-1])
         owner = _unless_none(_kind_at(before, owners)) if before else near
         member = getattr(owner, last, None)
         text = attribute_texts(owner).get(last, "") if isinstance(owner, type) else ""
@@ -459,7 +465,7 @@ LIST, ANY_NAME = "[]", "NAME"
 """Steps of the path of a key: to the entries of a list, and to the values of an object by name."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class DescribedKey:
     """A key of a JSON document, as its schema describes it.
 

@@ -7,7 +7,7 @@ patches, and a line of settings. Every text is at least 9 pt, so that it is read
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from html import escape
 from pathlib import Path
@@ -24,7 +24,7 @@ from matplotlib.textpath import TextToPath
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
-from chromanoise.base import Array, InputError, UInt8, __version__, check, write_whole
+from chromanoise.base import Array, InputError, UInt8, __version__, check, dataclass, write_whole
 from chromanoise.charts.budget_chart import budget_of
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.color_checker import drawn_chart
@@ -85,7 +85,7 @@ _LETTER_IN, _AXIS_IN = 0.0095, 0.35  # of a title per pt, and beside the axes
 _FEWEST_LETTERS = 10
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Card:
     """One sheet that compares sensors: `figure` draws it, `save` writes it.
 

@@ -1,9 +1,9 @@
 """A study with the results that its charts share, computed once."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from chromanoise.base import check
+from chromanoise.base import check, dataclass
 from chromanoise.noise import OperatingPoint
 from chromanoise.study import (
     NOTHING_GIVEN,
@@ -18,7 +18,7 @@ from chromanoise.study import (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Shown:
     """A study with the results that all of its charts share.
 
@@ -43,7 +43,7 @@ class Shown:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Look:
     """Options of the charts of a study.
 

@@ -6,10 +6,10 @@ CSV, drawing and the value read at a mark agree. ``draw/plane.js`` draws a chart
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import Any, Literal
 
-from chromanoise.base import check
+from chromanoise.base import check, dataclass
 
 MOST_DASHED = 3
 """Up to this number of sensors, curves differ by their dashes; above it, each has a color."""
@@ -18,7 +18,7 @@ Value = float | str | None
 """A number, a name, or ``None`` where a value is undefined."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Column:
     """One column of the numbers of a chart.
 
@@ -73,7 +73,7 @@ def column(
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Axis:
     """One axis of a panel.
 
@@ -103,7 +103,7 @@ NO_AXIS = Axis(label="", low=0.0, high=1.0)
 """The axis of marks that need none."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Line:
     """A curve.
 
@@ -137,7 +137,7 @@ class Line:
     kind: Literal["line"] = "line"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Point:
     """One point with the large mark of its sensor.
 
@@ -157,7 +157,7 @@ class Point:
     kind: Literal["point"] = "point"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Cloud:
     """Points that belong to no sensor of the study, as a background.
 
@@ -179,7 +179,7 @@ class Cloud:
     kind: Literal["cloud"] = "cloud"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Ellipses:
     """Ellipses around measured values, each with a cross at its true value.
 
@@ -207,7 +207,7 @@ class Ellipses:
     kind: Literal["ellipses"] = "ellipses"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Area:
     """A faint area from the bottom up, as high as the panel where its column is 1.
 
@@ -229,7 +229,7 @@ class Area:
     kind: Literal["area"] = "area"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Band:
     """A shaded range across, from ``low`` to the end of the axis.
 
@@ -246,7 +246,7 @@ class Band:
     kind: Literal["band"] = "band"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Rule:
     """An upright line.
 
@@ -272,7 +272,7 @@ Role = Literal["total", "cost", "gain"]
 """What a bar of a waterfall is; a ``total`` begins at 0."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Bars:
     """A bar per row along the axis across, one under the other: a waterfall.
 
@@ -296,7 +296,7 @@ class Bars:
     kind: Literal["bars"] = "bars"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Dots:
     """A line of marks per row along the axis across, one mark per sensor, with their numbers.
 
@@ -317,7 +317,7 @@ class Dots:
     kind: Literal["dots"] = "dots"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Swatches:
     """Cells of one size, six side by side, one per row: what one sensor makes of each patch.
 
@@ -340,7 +340,7 @@ class Swatches:
     kind: Literal["swatches"] = "swatches"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Cells:
     """A colored cell per row, on a grid over both axes; rows go across first.
 
@@ -379,7 +379,7 @@ Mark = Line | Point | Cloud | Ellipses | Area | Band | Rule | Bars | Dots | Swat
 """What a panel can show, drawn in the order of its list."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Panel:
     """Marks, and the axes that they need.
 
@@ -416,7 +416,7 @@ class Panel:
     absence: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Chart:
     """One chart.
 

@@ -4,12 +4,11 @@ The ellipses are drawn at two standard deviations.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache, partial
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, check, eigvalsh
+from chromanoise.base import Array, Bool, Float, check, dataclass, eigvalsh
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.description import (
     Axis,
@@ -50,7 +49,7 @@ from chromanoise.study import (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Patches:
     """Color and noise of each patch, with the light and exposure of an analysis.
 
@@ -218,7 +217,7 @@ def _columns(rows: Sequence[Sequence[Value]], plane: str) -> tuple[Column, ...]:
     return tuple(column(*each) for each in zip(heads, values, texts, strict=True))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class _Drawn:
     """The rows of one sensor; a row with the reason, and no colors, where it has none."""
 

@@ -5,13 +5,12 @@ converted to MathML.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from html import escape
 from importlib import resources
 from typing import Any
 
-from chromanoise.base import json_of
+from chromanoise.base import dataclass, json_of
 
 
 def mathml(latex: str, *, block: bool = False) -> str:
@@ -61,7 +60,7 @@ def coordinate_mathml(coordinate: str) -> str:
 _PAPER = "Clouet, Vaillant & Alleysson, CIC27 (2019)"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Symbol:
     """One symbol of a formula.
 
@@ -81,7 +80,7 @@ class Symbol:
     name: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Explanation:
     """What a chart shows, in words and as formulas.
 

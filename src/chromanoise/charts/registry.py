@@ -4,10 +4,9 @@ A section has its place, heading and caption; a chart can also be written as row
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from chromanoise.base import check, csv_text
+from chromanoise.base import check, csv_text, dataclass
 from chromanoise.charts.budget_chart import drawn_budget
 from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.color_checker import drawn_chart
@@ -24,7 +23,7 @@ from chromanoise.charts.vectors import drawn_vectors
 from chromanoise.charts.verdicts import drawn_head
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Section:
     """One chart as a section of the page and of the report.
 

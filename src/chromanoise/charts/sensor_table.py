@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
+from chromanoise.base import dataclass
 from chromanoise.charts.charted_study import Look, Shown, saturated_names
 from chromanoise.charts.description import numbers_of
 from chromanoise.charts.numbers import NONE, brief, decimal, electrons, listed, table, three_digits
@@ -22,7 +23,7 @@ from chromanoise.study import (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Column:
     """A column: ``better`` is ``higher`` or ``lower``, ``None`` where neither is."""
 

@@ -12,12 +12,24 @@ over all channels uses randomized quasi-Monte Carlo nets.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, lru_cache
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, check, eigh, eigvalsh, qr, stream, svd
+from chromanoise.base import (
+    Array,
+    Bool,
+    Float,
+    InputError,
+    check,
+    dataclass,
+    eigh,
+    eigvalsh,
+    qr,
+    stream,
+    svd,
+)
 from chromanoise.color.noise_in_spaces import ElectronSource, NoisyColor, SpaceMoments
 from chromanoise.color.spaces import LAB, Space, ciede2000_difference
 from chromanoise.noise import (
@@ -33,7 +45,7 @@ _VALUES_PER_CHUNK = 500_000  # cubature points at once: some 50 MB, however larg
 _EMPTY = 64 * np.finfo(float).eps  # eigenvalues below this share of the largest are rounding
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Cubature:
     """Points and weights of a cubature for three independent standard normal variables.
 

@@ -9,7 +9,7 @@ Psi is Kodak's noise gain of a matrix (`noise_gain`); `bounded_psi` is the best 
 Psi.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from chromanoise.base import (
     InputError,
     check,
     covariance_root,
+    dataclass,
     decibel,
     lstsq,
     notebook,
@@ -47,7 +48,7 @@ XYZ = ("X", "Y", "Z")
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ColorMatrix:
     """A matrix from raw electrons to color, and how it was made.
 
@@ -206,7 +207,7 @@ def colored(raw: Measurement, matrix: ColorMatrix) -> Measurement:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ParetoCurve:
     """Color error against noise, one matrix per weight of the noise.
 

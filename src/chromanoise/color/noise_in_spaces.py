@@ -13,11 +13,11 @@ A method is a function of a `NoisyColor` and a `Space`; set its accuracy by `fun
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check
+from chromanoise.base import Array, Float, InputError, check, dataclass
 from chromanoise.color.matrices import XYZ
 from chromanoise.color.spaces import Space
 from chromanoise.noise import (
@@ -33,7 +33,7 @@ UNBOUNDED = Readout()
 """A readout without clipping and rounding, as in the paper."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ElectronSource:
     """Channels with the exact Poisson-Gaussian distribution, and their matrix to X, Y, Z.
 
@@ -67,7 +67,7 @@ class ElectronSource:
         check.freeze(self, "mean_e", "matrix")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class NoisyColor:
     """X, Y, Z of one point or of each pixel, with their noise and their white.
 
@@ -151,7 +151,7 @@ FIRST_ORDER_TOLERANCE = 0.05
 """Largest relative error of a standard deviation up to which the first order is valid."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SpaceMoments:
     """Result of a propagation method, from which `propagate` creates a `ColorNoise`.
 
@@ -180,7 +180,7 @@ Method = Callable[[NoisyColor, Space], SpaceMoments]
 """`first_order`, `cubature`, `exact`, or a function of your own."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ColorNoise(SpaceMoments):
     """Noise of one color, or of each pixel of a picture, in a color space.
 

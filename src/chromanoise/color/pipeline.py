@@ -7,13 +7,13 @@ behind XYZ into a `Space`, for `propagate` with the cubature or the exact distri
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, congruence, inv
+from chromanoise.base import Array, Float, InputError, check, congruence, dataclass, inv
 from chromanoise.color.spaces import (
     D65_WHITE,
     LAB,
@@ -270,7 +270,7 @@ def with_saturation(rgb: Measurement, saturation: float) -> Measurement:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ToneCurve:
     """A tone curve with its slope; both continue below 0 and above 1 without clipping.
 

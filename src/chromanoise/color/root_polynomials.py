@@ -5,12 +5,21 @@ the root, and exactly through moments of single channels. The exact result is al
 and shows where the first order is accurate.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations, combinations_with_replacement
 
 import numpy as np
 
-from chromanoise.base import RANK_TOLERANCE, Array, Float, InputError, Setting, check, lstsq
+from chromanoise.base import (
+    RANK_TOLERANCE,
+    Array,
+    Float,
+    InputError,
+    Setting,
+    check,
+    dataclass,
+    lstsq,
+)
 from chromanoise.color.matrices import XYZ
 from chromanoise.color.training import Training, training_response
 from chromanoise.noise import Exposure, Measurement, expectation, with_noise
@@ -21,7 +30,7 @@ from chromanoise.spectra import DEFAULT_OBSERVER, Metric
 _ROOT_KINKS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RootPolynomial:
     """A matrix from root-polynomial terms of the raw electrons to color.
 

@@ -11,12 +11,11 @@ Color differences are between balanced colors, for which white is X = Y = Z = 1.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, inv
+from chromanoise.base import Array, Float, InputError, check, dataclass, inv
 
 
 def balanced_cielab(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
@@ -243,7 +242,7 @@ _UV = np.array([1.0, 15.0, 3.0])  # CIE 015:2018, eq. 8.25: X + 15 Y + 3 Z
 _LAB = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Space:
     """A color space: a map from XYZ and its Jacobian.
 

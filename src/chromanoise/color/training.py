@@ -1,12 +1,11 @@
 """Training sets for color matrices: reflectances, and their electrons and colors."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, eigh
+from chromanoise.base import Array, Float, InputError, check, dataclass, eigh
 from chromanoise.noise import Exposure, expected_electrons, mean_noise_covariance
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
@@ -26,7 +25,7 @@ _FEWEST_E = 1e-280  # of a white; noise over fewer electrons overflows double pr
 _KEPT_VARIANCE = 1e-12  # of the largest component of a smoothness prior; less is rounding
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Training:
     """``k`` reflectances under one lamp, to which a color matrix is fitted.
 
@@ -82,7 +81,7 @@ class Training:
         check.keep(self, weights=weights)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TrainingResponse:
     """Electrons of the sensor and X, Y, Z of an observer for a training set.
 

@@ -1,7 +1,5 @@
 """Angles between channels, variance inflation, and near-linear dependence of channels."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from chromanoise.base import (
@@ -10,6 +8,7 @@ from chromanoise.base import (
     Bool,
     Float,
     angles_deg,
+    dataclass,
     lstsq,
     matrix_rank,
     unit_columns,
@@ -74,7 +73,7 @@ def angles_to_axes_deg(frame: DualBasis, axes: Float[Array, "n c"]) -> Float[Arr
     return angles_deg(frame.basis, axes)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class NearestMix:
     """The channel that is closest to a linear combination of the others, and its weights.
 

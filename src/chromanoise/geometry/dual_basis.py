@@ -1,7 +1,5 @@
 """The basis of sensor space, its dual, and contravariant coordinates with their noise (eq. 3)."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from chromanoise.base import (
@@ -10,6 +8,7 @@ from chromanoise.base import (
     Float,
     InputError,
     check,
+    dataclass,
     svd,
     unit_columns,
     with_short_repr,
@@ -19,7 +18,7 @@ from chromanoise.spectra import Metric
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class DualBasis:
     """``p`` measurement vectors, their dual basis and their conditioning.
 

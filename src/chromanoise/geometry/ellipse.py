@@ -1,13 +1,11 @@
 """The true plane of two channels, and ellipses of uncertainty in it: Figures 3, 4, 6, 9 and 10."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from chromanoise.base import Array, Float, check, cholesky
+from chromanoise.base import Array, Float, check, cholesky, dataclass
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PlaneView:
     """Orthonormal coordinates in the plane of two channels, which preserve lengths and angles.
 

@@ -2,11 +2,19 @@
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from chromanoise.base import InputError, Setting, distinct, one_of, renamed, with_short_repr
+from chromanoise.base import (
+    InputError,
+    Setting,
+    dataclass,
+    distinct,
+    one_of,
+    renamed,
+    with_short_repr,
+)
 from chromanoise.color import ColorMatrix
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.demosaic import FilterBank
@@ -32,7 +40,7 @@ from chromanoise.sensor import EXTRA_NOISE, Adc, Mosaic, PixelOverrides, adc_of,
 from chromanoise.spectra import Beyond, Cube, row_source
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class CaptureSettings:
     """Settings of a capture, in addition to cube, sensor and light.
 
@@ -94,7 +102,7 @@ class CaptureSettings:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Camera:
     """A camera prepared for capture: all data that its frames share.
 
@@ -124,7 +132,7 @@ class Camera:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Capture:
     """The result of a capture: codes, color, or both.
 

@@ -6,16 +6,15 @@ raw image, and the two methods that need no statistical model of images.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, Int, Num, Setting, check
+from chromanoise.base import Array, Float, Float32, InputError, Int, Num, Setting, check, dataclass
 from chromanoise.imaging.kernel_cache import kernel_of
 from chromanoise.sensor import MOSAIC_NAMES, Mosaic, mosaic_named
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FilterBank:
     """A linear demosaicing method for one mosaic.
 
@@ -356,7 +355,7 @@ def _malvar(here: Array) -> Float[Array, "5 5"]:
     return kernel / 8.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Taps:
     """The nonzero weights of a filter bank as one list.
 

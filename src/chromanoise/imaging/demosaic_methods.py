@@ -11,11 +11,22 @@ are built for one operating point.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from chromanoise.base import Array, Complex, Float, InputError, Int, check, eigvalsh, pinv, solve
+from chromanoise.base import (
+    Array,
+    Complex,
+    Float,
+    InputError,
+    Int,
+    check,
+    dataclass,
+    eigvalsh,
+    pinv,
+    solve,
+)
 from chromanoise.imaging.demosaic import (
     FilterBank,
     bank_of,
@@ -41,7 +52,7 @@ from chromanoise.sensor import Mosaic, Sensor, shares_after_counting
 from chromanoise.spectra import Scene, colorchecker
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PicturePrior:
     """Second moments of images, and of the noise in them.
 

@@ -1,11 +1,11 @@
 """Development of raw codes to a color image, and the noise of the result."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float32, InputError, UInt8, UInt16, check
+from chromanoise.base import Array, Float32, InputError, UInt8, UInt16, check, dataclass
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.imaging.blocks import Scratch, release
 from chromanoise.imaging.demosaic import (
@@ -36,7 +36,7 @@ from chromanoise.sensor import Adc, Converter
 from chromanoise.spectra import Scene
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Development:
     """All data that a block of a mosaic needs for its conversion to color."""
 

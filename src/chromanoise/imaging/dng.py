@@ -10,13 +10,13 @@ Adobe, Digital Negative (DNG) Specification, 1.4.0.0 (2012); tag numbers are tho
 
 import math
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, UInt16, check, matrix_rank, pinv
+from chromanoise.base import Array, Float, InputError, UInt16, check, dataclass, matrix_rank, pinv
 from chromanoise.color import ColorMatrix
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.row_files import PutRows, tiff_rows
@@ -34,7 +34,7 @@ _PARTS = 1_000_000  # denominator of all fractions
 _BYTE, _ASCII, _SHORT, _LONG, _RATIONAL, _SIGNED_RATIONAL, _DOUBLE = 1, 2, 3, 4, 5, 10, 12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RawProfile:
     """Metadata of a camera and its illuminant for raw developers.
 

@@ -9,7 +9,7 @@ and another process computes bit-identical results for its block.
 import math
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any, Literal
 
@@ -25,6 +25,7 @@ from chromanoise.base import (
     UInt8,
     UInt16,
     check,
+    dataclass,
     refuse_absent_package,
 )
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
@@ -70,7 +71,7 @@ BadPixels = Literal["refuse", "zero"]
 """Handling of invalid reflectances."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Light:
     """Parameters for converting the numbers of a cube to expected electrons.
 
@@ -284,7 +285,7 @@ def _most_e(operating_point: OperatingPoint, draw: Draw) -> float:
     return operating_point.sensor.pixel.full_well_e + offset
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RawPlan:
     """Plan for the raw codes of a mosaic.
 
@@ -355,7 +356,7 @@ def raw_block(
     return counts
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ColorPlan:
     """Plan for a color image, with all channels at every pixel.
 
@@ -476,7 +477,7 @@ def srgb_table() -> UInt8[Array, " entries"]:
     return codes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ElectronPlan:
     """Plan for expected electrons.
 

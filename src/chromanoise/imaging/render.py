@@ -1,11 +1,22 @@
 """Rendering of a cube by a sensor: a noisy color image, or the raw codes of a mosaic."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, Int, Setting, UInt8, UInt16, check
+from chromanoise.base import (
+    Array,
+    Float,
+    Float32,
+    InputError,
+    Int,
+    Setting,
+    UInt8,
+    UInt16,
+    check,
+    dataclass,
+)
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.imaging.blocks import Draw, Scratch, new_rows
 from chromanoise.imaging.kernel_cache import kernel_of
@@ -46,7 +57,7 @@ _COLORED_ROWS = 64
 _SHARE_DIGITS = 9  # places whose shares agree to these digits are of one kind
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Picture:
     """Color image of a cube, rendered by a sensor and its matrix.
 
@@ -113,7 +124,7 @@ class Picture:
         return self.matrix.metric
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RawPicture:
     """Raw image: one code per pixel, of the channel over this pixel.
 
@@ -217,7 +228,7 @@ def rendered(
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RenderedElectrons:
     """Noisy electrons of every channel at every pixel.
 
@@ -388,7 +399,7 @@ def _colored_block(
     color_of_electrons(values[start:stop], matrices, srgb_table(), xyz, srgb)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class _Products:
     """Three products of the noisy electrons at every pixel, and three as codes of sRGB."""
 

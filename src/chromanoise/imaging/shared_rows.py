@@ -18,7 +18,6 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -27,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Setting, Shaped
+from chromanoise.base import Array, InputError, Setting, Shaped, dataclass
 from chromanoise.imaging.blocks import Scratch, new_rows, release
 from chromanoise.spectra import RowSource
 
@@ -35,7 +34,7 @@ Kind = tuple[tuple[int, ...], type[np.generic]]
 """Shape and type of an array, its first axis the rows."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SharedRows:
     """An array of rows in shared memory, initially 0; pickling it sends only its name.
 
@@ -150,7 +149,7 @@ _MOST_THREADS = 1024
 _BLOCK_BYTES = 8 << 20  # bytes per read: efficient for the disk, small in memory
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Work:
     """Threads or executor, and rows per task. The result is bit-identical for all settings.
 

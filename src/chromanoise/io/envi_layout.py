@@ -3,13 +3,13 @@
 import math
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, Shaped
+from chromanoise.base import Array, Float, InputError, Setting, Shaped, dataclass
 from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.cell_tables import number_in
 from chromanoise.io.spectra.declared import NAMED_WAVELENGTH, NM_PER, known_unit, nanometers
@@ -38,7 +38,7 @@ GAINS = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class EnviHeader:
     """The ``key = value`` pairs of one header.
 

@@ -17,7 +17,6 @@ import re
 import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any, Literal
@@ -33,6 +32,7 @@ from chromanoise.base import (
     check,
     csv_comment,
     csv_text,
+    dataclass,
     inputs,
     inv,
     json_text,
@@ -77,7 +77,7 @@ _LIGHTS = {  # of Exif 2.32, LightSource: name and color temperature [K]
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class GivenMatrix:
     """A color matrix of a file.
 
@@ -417,7 +417,7 @@ def _array(source: str, rows: Any) -> Float[Array, "a b"]:
     return values
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MadeMatrix:
     """A matrix with the conditions for which it was made.
 
@@ -634,7 +634,7 @@ def read_crosstalk(path: Path, names: tuple[str, ...], mosaic: Mosaic | None) ->
         return crosstalk_of_kernel(table.values, mosaic, names)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CrosstalkTable:
     """The numbers of a crosstalk file, before they are applied to a sensor.
 

@@ -8,7 +8,6 @@ column. An undefined value is an empty cell, or ``null`` in JSON.
 import math
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,6 +18,7 @@ from chromanoise.base import (
     __version__,
     check,
     csv_text,
+    dataclass,
     defined,
     json_text,
     with_short_repr,
@@ -30,7 +30,7 @@ Entry = float | int | str | bool | None
 """One cell; ``None`` where a quantity is not defined."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Column:
     """One column of a table.
 
@@ -66,7 +66,7 @@ class Column:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Table:
     """Rows of cells under columns.
 

@@ -4,7 +4,7 @@ The sensitivity metamerism index (ISO 17321) is the color error that remains wit
 The report on a matrix has color error, noise, condition, noise gain Psi and near infrared.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +15,7 @@ from chromanoise.base import (
     Float,
     InputError,
     check,
+    dataclass,
     frozen,
     lstsq,
     solve,
@@ -238,7 +239,7 @@ _MOST_STEPS = 50
 _SHORTEST = 1e-10  # share of a step
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Metamerism:
     """The index, the color errors and the best matrix.
 
@@ -404,7 +405,7 @@ def _soft_lengths(
     return np.sqrt(np.sum(missed**2, axis=-1) + softening**2), missed
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MatrixReport:
     """Color error, noise and other properties of one matrix for one sensor.
 

@@ -73,7 +73,7 @@ The infrared carries almost no signal here, because H is almost zero there.
 """
 
 from collections.abc import Callable, Container, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import ClassVar
 
@@ -88,6 +88,7 @@ from chromanoise.base import (
     JsonKeys,
     check,
     congruence,
+    dataclass,
     decibel,
     defined,
     inv,
@@ -247,7 +248,7 @@ _SLOPE_STEP = 1e-3
 QUANTIZATION = next(one.cause for one in SOURCES if one.drawn == "rounding")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Cost:
     """What one cause costs as the sensor is, and what removing it would gain.
 
@@ -283,7 +284,7 @@ class Cost:
         return self.cost_db
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Budget:
     """The SNR budget of one coordinate, starting from all photons.
 
@@ -333,7 +334,7 @@ class Budget:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Seen:
     """Electrons of the signal, and electrons that contribute shot noise.
 
@@ -356,7 +357,7 @@ class Seen:
     is_change: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Channels:
     """Signals, noise and weights of the channels, after crosstalk or before it.
 
@@ -376,7 +377,7 @@ class Channels:
     single_row: Float[Array, " p"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Chain:
     """All that the causes switch between.
 
@@ -910,7 +911,7 @@ def weights_one_by_one(axis: Float[Array, " n"], frame: DualBasis) -> Float[Arra
     return axis @ frame.basis / (frame.basis**2).sum(axis=0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Electrons:
     """Light of a scene, and the electrons that the channels collect from it.
 

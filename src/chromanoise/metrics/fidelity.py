@@ -9,13 +9,12 @@ Edge sharpness uses the slanted edge of ISO 12233 (e-SFR): MTF and rise distance
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, log10
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, Shaped, check, inv
+from chromanoise.base import Array, Bool, Float, InputError, Shaped, check, dataclass, inv
 from chromanoise.color import (
     LUMA_WEIGHTS,
     cie1976_difference,
@@ -155,7 +154,7 @@ def structural_similarity(
     return float(np.mean(similarity / ((x_mean**2 + y_mean**2 + c1**2) * (variances + c2**2))))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class FalseColor:
     """Mean chromatic error of a picture near the edges of its reference, and elsewhere.
 
@@ -518,7 +517,7 @@ def scielab_shares(pixels_per_degree: float) -> Float[Array, "3 3"]:
     return np.asarray(shares)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PictureQuality:
     """Errors of a picture relative to its reference.
 
@@ -599,7 +598,7 @@ _STANDARD_ERRORS = 5.0
 _PADDING = 16  # of the Fourier transform, so that linear interpolation between its points suffices
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class EdgeLine:
     """A straight edge in a region of a picture.
 
@@ -625,7 +624,7 @@ class EdgeLine:
         return float(np.degrees(np.arctan(self.slope)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class EdgeResponse:
     """Sharpness of an edge, perpendicular to it.
 

@@ -1,11 +1,11 @@
 """Light that a sensor needs: SNR10 in lux, and the noise-based speed of ISO 12232."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check
+from chromanoise.base import Array, Float, InputError, check, dataclass
 from chromanoise.color import ColorMatrix
 from chromanoise.noise import (
     Exposure,
@@ -21,7 +21,7 @@ from chromanoise.sensor import Sensor, VarianceLaw
 from chromanoise.spectra import Illuminant, flat_field
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class NoiseSpeedModel:
     """Weights of luminance and color noise in an edition of ISO 12232.
 

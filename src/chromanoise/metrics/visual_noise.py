@@ -5,15 +5,23 @@ neutral are 0; the caller supplies the transform from there to L*, u*, v*.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, congruence, inv, matrix_rank
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    check,
+    congruence,
+    dataclass,
+    inv,
+    matrix_rank,
+)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class VisualNoiseModel:
     """An edition of the standard: weights and contrast sensitivity functions (CSF).
 
@@ -67,7 +75,7 @@ each with a peak of 3.00. Constants as given in the literature, not checked agai
 standard; for another edition create your own model."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class VisualNoise:
     """Perceived standard deviations and their weighted sum.
 

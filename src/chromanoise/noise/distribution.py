@@ -6,12 +6,12 @@ special case. The whole distribution of one reading serves where a Gaussian is n
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, check
+from chromanoise.base import Array, Bool, Float, InputError, check, dataclass
 from chromanoise.noise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
 from chromanoise.noise.readout import (
@@ -378,7 +378,7 @@ _MOST_REACH_E = 1e5
 _MOST_ENTRIES = 2**22  # of the table codes x counts; more codes are as good as continuous
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ReadingDistribution:
     """Distribution of one reading for k means, on common values.
 

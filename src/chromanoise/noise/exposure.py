@@ -7,12 +7,12 @@ observer.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, with_short_repr
+from chromanoise.base import Array, Float, InputError, check, dataclass, with_short_repr
 from chromanoise.sensor import Pixel, Sensor, code_range_e, pixels_of
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
@@ -40,7 +40,7 @@ FASTEST_F_NUMBER = 0.5
 """The least f-number of a lens in air, by the sine condition."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Exposure:
     """Exposure time, f-number and magnification of an exposure.
 
@@ -359,7 +359,7 @@ _MOST_TIMES = 3
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class OperatingPoint:
     """A sensor, its exposure, the light on the scene, and the observer of the colors.
 

@@ -1,14 +1,12 @@
 """A measurement: mean and covariance in named coordinates, and its linear transforms."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from chromanoise.base import Array, Float, check, congruence, notebook
+from chromanoise.base import Array, Float, check, congruence, dataclass, notebook
 from chromanoise.spectra import Metric
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Measurement:
     """Mean and covariance of ``p`` coordinates, for one point or a whole picture.
 

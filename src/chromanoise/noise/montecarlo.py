@@ -5,11 +5,10 @@ Electrons are Poisson plus Gaussian read noise; simulated values have standard e
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, check, stream
+from chromanoise.base import Array, Bool, Float, InputError, check, dataclass, stream
 from chromanoise.noise.variance import CrosstalkPattern, NoiseSources
 from chromanoise.sensor import NORMAL, Pixel
 
@@ -122,7 +121,7 @@ MOST_DRAWS = 10**10
 _CHUNK = 65_536  # acquisitions per random stream; bounds the memory
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Estimate:
     """Statistics of ``q`` linear coordinates over ``draws`` acquisitions.
 

@@ -14,11 +14,10 @@ accurate computation of binomial probabilities" (2000).
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, Int, check
+from chromanoise.base import Array, Bool, Float, InputError, Int, check, dataclass
 
 _LOG_TAIL = -math.log(1e-18)  # each omitted tail has a probability below 1e-18
 _MOST_E = 1e10  # above it one sum has more than two million terms
@@ -387,7 +386,7 @@ _NODES = 24  # per panel: exact to rounding for a Gaussian times a smooth functi
 Function = Callable[[Float[Array, " m"]], Float[Array, " m"]]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Expectation:
     """Mean and variance of a function of noisy electrons.
 
@@ -513,7 +512,7 @@ _MOST_ORDER = 10**9
 _MOST_SUMMED_E = 1e8  # with more electrons a sum over counts takes seconds
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Readout:
     """The values that a channel can have after readout: those of the codes, in electrons.
 
@@ -556,7 +555,7 @@ class Readout:
         check.finite("offset_e", "e-", self.offset_e)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Moments:
     """Mean, variance and clipping of the values read from ``p`` channels.
 

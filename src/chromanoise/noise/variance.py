@@ -14,13 +14,24 @@ are all variances here.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, Int, Setting, check, congruence, inv
+from chromanoise.base import (
+    Array,
+    Bool,
+    Float,
+    InputError,
+    Int,
+    Setting,
+    check,
+    congruence,
+    dataclass,
+    inv,
+)
 from chromanoise.noise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
 from chromanoise.noise.readout import (
@@ -48,7 +59,7 @@ from chromanoise.sensor import (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CrosstalkPattern:
     """Fixed pattern of crosstalk: mean of each place of a mosaic minus the mean of its channel.
 
@@ -130,7 +141,7 @@ LEAST_DITHER = 0.4
 """Noise over the step of a converter: less bends the mean code by over 2 exp(-2 pi^2 0.4^2). [1]"""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class NoiseSources(PixelReading):
     """The variance of one reading, source by source, at one exposure.
 

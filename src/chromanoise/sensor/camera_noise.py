@@ -11,12 +11,12 @@ gain and a read noise for each channel, and changes them with the ISO setting.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, check
+from chromanoise.base import Array, Float, InputError, Setting, check, dataclass
 from chromanoise.sensor.changes import PixelSource
 from chromanoise.sensor.crosstalk import Mosaic
 from chromanoise.sensor.noise_sources import (
@@ -364,7 +364,7 @@ def _log_linear(
 _MOST_GAIN = 1e9
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CameraNoise:
     """Noise of a camera at one ISO setting, and how it changes with the gain.
 

@@ -9,12 +9,12 @@ pixel. Missing values are never guessed; they become questions for the user.
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, fields, replace
 from typing import Any, Unpack
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, check
+from chromanoise.base import Array, Float, InputError, Setting, check, dataclass
 from chromanoise.sensor.crosstalk import Crosstalk
 from chromanoise.sensor.filters import ir_cut
 from chromanoise.sensor.partial_pixel import PartialPixel, PixelSettings
@@ -35,7 +35,7 @@ from chromanoise.sensor.pixel import (
 from chromanoise.sensor.sensor import Sensor
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PixelSource(PartialPixel):
     """Values that a source gives for a pixel; ``None`` for values that it does not give.
 
@@ -447,7 +447,7 @@ def with_analog_gain(sensor: Sensor, gain: float, *, read_noise_e: float | None 
     return replace(sensor, pixel=pixel, converter=converter)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PixelOverrides(PartialPixel):
     """Values that override the sensor's own; ``None`` keeps the sensor's value, 0 overrides it.
 

@@ -10,15 +10,25 @@ the channels stay independent: a random part of a Poisson count is a Poisson cou
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Int, Setting, check, inv, known_name, svd
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Int,
+    Setting,
+    check,
+    dataclass,
+    inv,
+    known_name,
+    svd,
+)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Mosaic:
     """The smallest block of channel names that tiles the sensor.
 
@@ -196,7 +206,7 @@ _LEAST_SINGULAR = 1e-10  # of the largest: below, a mixing cannot be undone
 _EQUAL = "name the mosaic if the channels have different numbers of pixels"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Places:
     """Shares of the channels that each place of one period of a mosaic receives.
 
@@ -235,7 +245,7 @@ class Places:
         return np.where(np.abs(away) > _SAME_SHARE, away, 0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Crosstalk:
     """How the channels mix: M' = X M, with M the electrons without crosstalk.
 

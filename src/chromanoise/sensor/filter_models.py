@@ -19,14 +19,14 @@ is `stacked`, with the tile as its pixel.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import reduce
 from inspect import signature
 from typing import Annotated
 
 import numpy as np
 
-from chromanoise.base import Array, Inexact, InputError, check
+from chromanoise.base import Array, Inexact, InputError, check, dataclass
 from chromanoise.sensor.filters import (
     LEAST_LENGTH_NM,
     ModelNumber,
@@ -295,7 +295,7 @@ MOST_REPEATED = 100
 """Most films of a stack, or bands of a dye."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class FilterModel:
     """A filter that can be made, with its numbers.
 

@@ -11,12 +11,12 @@ step. Each transmittance is a mean or a product of values within 0 to 1, with we
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Inexact, InputError, check
+from chromanoise.base import Array, Float, Inexact, InputError, check, dataclass
 from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid, shifted
 from chromanoise.spectra.tables import catalog_curves, catalog_tables, packaged_table
 
@@ -33,7 +33,7 @@ Number = float | complex | Array
 """A number, or one per candidate (m,); complex for a derivative by the complex step."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ModelNumber:
     """One number of a filter model.
 

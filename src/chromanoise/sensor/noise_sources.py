@@ -10,18 +10,18 @@ measured table.
 
 import math
 from collections.abc import Callable, Container, Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, Inexact, InputError, Int, check
+from chromanoise.base import Array, Bool, Float, Inexact, InputError, Int, check, dataclass
 from chromanoise.sensor.pixel import Pixel
 
 _UNITS = {"floor_e2": "e-^2", "slope_e": "e-", "square": "1"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class VarianceLaw:
     """Variance of one reading, or of the readings of several planes, as a law of the light.
 
@@ -186,7 +186,7 @@ READ_OUT = frozenset[Drawn]({"reading", "levels", "row", "column", "rounding", "
 """What the readout adds after the electrons are counted, so that crosstalk does not mix it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class NoiseSource:
     """One source of noise. Table, budget, exact distribution and all draws walk ``sources_of``.
 
@@ -214,7 +214,7 @@ class NoiseSource:
     words: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PixelReading:
     """One reading of a pixel: all that the coefficients of its noise depend on.
 
@@ -469,7 +469,7 @@ def tukey_lambda_variance(shape: float) -> float:
     return 2 * (squares - products) / at**2 / (high - low)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class LogLinearNoise:
     """ELD's law of noise against gain: ln(noise) = slope ln(K) + bias + N(0, sigma^2).
 
@@ -520,7 +520,7 @@ class LogLinearNoise:
         return np.exp(self.slope * np.log(gain_dn_per_e) + self.bias + self.sigma * score)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ReadNoiseSum:
     """Read noise before and after the gain: sigma_dn^2 = a + b K^2.
 
@@ -607,7 +607,7 @@ def read_noise_sum(
     return ReadNoiseSum(after_gain_dn=float(np.sqrt(a)), before_gain_e=float(np.sqrt(b)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ReadNoiseTable:
     """Measured noise of readout against gain, interpolated linearly in ln(noise) and ln(K).
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TypedDict
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PartialPixel:
     pitch_um: float | None = ...
     full_well_e: float | None = ...

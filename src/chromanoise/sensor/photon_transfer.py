@@ -8,11 +8,9 @@ EMVA Standard 1288, Release 4.0 Linear (2021), chapters 2 and 6; Janesick, Photo
 2007).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from chromanoise.base import Array, InputError
+from chromanoise.base import Array, InputError, dataclass
 from chromanoise.sensor.camera_noise import ROUNDING_DN2
 from chromanoise.sensor.changes import PixelSource
 from chromanoise.sensor.photon_transfer_regression import (
@@ -211,7 +209,7 @@ _Measured = tuple[float | None, float | None]
 _UNKNOWN: _Measured = (None, None)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Curves:
     """The line, the quadratic fit if there is one, and the gain of the one that applies.
 

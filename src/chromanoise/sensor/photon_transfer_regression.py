@@ -5,11 +5,11 @@ are propagated through the fit, so that levels with the same dark measurement ha
 errors.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, check, matrix_rank, pinv
+from chromanoise.base import Array, Bool, Float, InputError, check, dataclass, matrix_rank, pinv
 from chromanoise.sensor.camera_noise import ROUNDING_DN2
 
 _MOST_SAMPLES = 1e12
@@ -20,7 +20,7 @@ SAME_TIME = 0.01
 """Share of an exposure time within which a dark has the time of a flat."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PhotonTransfer:
     """Mean and variance of codes at several light levels.
 
@@ -166,7 +166,7 @@ def _refuse_odd_darks(table: PhotonTransfer) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TransferFit:
     """Results of a photon transfer with standard errors; ``None`` where the table has none.
 
@@ -242,7 +242,7 @@ _LARGEST_SLOPE = 1e15  # [DN] larger than of any converter: then the means do no
 _UNKNOWN_SAMPLES = 1e4  # used for an unknown number; the scatter about the fit sets the scale
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Darks:
     """The dark measurements of a table.
 
@@ -284,7 +284,7 @@ class Darks:
         return np.eye(self.mean_dn.size)[first]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Levels:
     """The lit rows of a table, above their dark.
 
@@ -412,7 +412,7 @@ def _darks(table: PhotonTransfer) -> tuple[Darks, Array] | None:
     ), nearest(times, at[lit])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Regression:
     """A fit that is linear in the measured values.
 

@@ -9,7 +9,7 @@ The converter turns electrons into codes: gain, black level, number of bits.
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, fields, replace
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from chromanoise.base import (
@@ -18,6 +18,7 @@ from chromanoise.base import (
     Property,
     Setting,
     check,
+    dataclass,
     demand_properties,
     properties_of,
     required_of,
@@ -39,7 +40,7 @@ def _pixels(name: str, count: float) -> int:
     return int(count)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Pixel:
     """One pixel design, the same for all channels.
 
@@ -422,7 +423,7 @@ def of_one_reading(pixel: Pixel, readings: int) -> Pixel:
 _BITS = range(8, 17)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Adc:
     """A linear converter: code = black level + electrons / gain, rounded and clipped to its range.
 
@@ -457,7 +458,7 @@ class Adc:
         return 2**self.bits - 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Converter:
     """Known values of a sensor's converter; ``None`` for those that are not known.
 

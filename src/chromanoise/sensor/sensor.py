@@ -8,13 +8,13 @@ transmittances of dyes that exist, from sensors with and without them.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, notebook, with_short_repr
+from chromanoise.base import Array, Float, InputError, check, dataclass, notebook, with_short_repr
 from chromanoise.sensor.crosstalk import (
     Crosstalk,
     Mosaic,
@@ -31,7 +31,7 @@ Origin = Literal["given", "measured", "model", "reconstruction"]
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sensor:
     """``p`` spectral channels sharing one pixel design.
 

@@ -7,13 +7,12 @@ kind exists only in the infrared.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, Float32, Integer, check, qr, stream
+from chromanoise.base import Array, Bool, Float, Float32, Integer, check, dataclass, qr, stream
 from chromanoise.spectra.curves import DEFAULT_GRID
 from chromanoise.spectra.observers import cie_1931
 from chromanoise.spectra.reflectances import colorchecker
@@ -396,7 +395,7 @@ DIRECTIONS = ("vertical", "horizontal")
 Region = tuple[slice, slice]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class SlantedEdge:
     """An edge through the center of a cell of the picture.
 

@@ -16,7 +16,7 @@ Both metrics give the same number of electrons F^T L and the same illuminance H^
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -30,12 +30,13 @@ from chromanoise.base import (
     Remedy,
     Setting,
     check,
+    dataclass,
     photons_per_joule,
     with_short_repr,
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Grid:
     """``n`` equidistant wavelengths, both ends included.
 
@@ -128,7 +129,7 @@ _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by roundi
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Spectra:
     """``k`` curves sampled at ``m`` increasing wavelengths, equidistant or not.
 

@@ -5,7 +5,7 @@ A name can add an infrared diode to a light.
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -21,6 +21,7 @@ from chromanoise.base import (
     InputError,
     Setting,
     check,
+    dataclass,
     photons_per_joule,
     with_short_repr,
 )
@@ -49,7 +50,7 @@ _DARKEST_LM_PER_W = 1e-3  # a source below this has practically no visible light
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Illuminant:
     """A light source at one lux.
 

@@ -4,11 +4,10 @@ import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from chromanoise.base import InputError, check
+from chromanoise.base import InputError, check, dataclass
 from chromanoise.spectra.curves import Beyond, Spectra
 from chromanoise.spectra.readers import read_spectra_csv, small_text
 
@@ -25,7 +24,7 @@ _PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
 _Place = tuple[str, str]  # file, section
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Provenance:
     """Origin, license, meaning and known defects of a table or formula.
 
@@ -308,7 +307,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
 _LARGEST_BYTES = 2**20
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class UserTable:
     """A table of a user's folder.
 

@@ -1,14 +1,13 @@
 """Measured reflectances that include the near infrared, gray cards, and pairs of patches."""
 
 import re
-from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Int, check
+from chromanoise.base import Array, InputError, Int, check, dataclass
 from chromanoise.spectra.curves import Beyond, Grid, Spectra, on_grid
 from chromanoise.spectra.tables import catalog_curves, catalog_tables, packaged_table
 
@@ -100,7 +99,7 @@ def _gray(name: str, percent: str, grid: Grid) -> Spectra:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PatchPairs:
     """Reflectances, and which two of them form each pair.
 

@@ -3,7 +3,7 @@
 An image is in memory or on disk.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from chromanoise.base import (
     Setting,
     Shaped,
     check,
+    dataclass,
     with_short_repr,
 )
 from chromanoise.spectra.curves import Grid, Metric, photons_per_unit
@@ -23,7 +24,7 @@ from chromanoise.spectra.scene_rows import RowSource, row_source, with_bands
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
     """Points of known reflectance under one illuminant.
 
@@ -86,7 +87,7 @@ def light(scene: Scene, metric: Metric) -> Float[Array, "*px n"]:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Cube:
     """``h`` x ``w`` pixels with ``m`` bands.
 

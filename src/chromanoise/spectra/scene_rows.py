@@ -11,18 +11,18 @@ import mmap
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol, runtime_checkable
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Integer, Shaped, UInt8, reason
+from chromanoise.base import Array, InputError, Integer, Shaped, UInt8, dataclass, reason
 
 _MOST_UNUSED = 4  # times the bytes wanted; above, unused bytes are not kept in memory
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FileRows:
     """Numbers stored uncompressed in a file, in any order of the axes.
 
@@ -107,7 +107,7 @@ class FileRows:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PlaneRows:
     """A cube of one source per band: pages of one file, or separate files.
 
@@ -182,7 +182,7 @@ def refuse_other_rows(source: str, shape: tuple[int, int, int], start: int, stop
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class _Plan:
     """The bytes of a file that hold a block: ``pieces`` of ``length`` bytes, ``step`` bytes apart.
 
@@ -346,7 +346,7 @@ class RowSource(Protocol):
         """
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ArrayRows:
     """An array in memory, or any object that can be sliced like one (a dask array).
 
@@ -391,7 +391,7 @@ class ArrayRows:
         return replace(self, array=self.array[:, :, keep])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ReorderedRows:
     """The bands of a source in another order.
 
@@ -434,7 +434,7 @@ class ReorderedRows:
         return replace(self, order=self.order[keep])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PaletteRows:
     """A cube of few different spectra: the pixels of a synthetic scene.
 

@@ -6,7 +6,7 @@ the patches of a chart.
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,6 +17,7 @@ from chromanoise.base import (
     Float,
     InputError,
     check,
+    dataclass,
     decibel,
     defined,
     notebook,
@@ -83,7 +84,7 @@ from chromanoise.spectra import (
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Stages:
     """Measurements at every stage; the leading axes are light levels, then patches.
 
@@ -334,7 +335,7 @@ _NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others get
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Analysis:
     """Results of one sensor at one exposure, at every stage.
 

@@ -3,11 +3,11 @@
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import Any
 
-from chromanoise.base import InputError, Setting, check, no_place_for, refusal
+from chromanoise.base import InputError, Setting, check, dataclass, no_place_for, refusal
 from chromanoise.io import read_crosstalk
 from chromanoise.io.spectra import Answers, Found
 from chromanoise.noise import EQUAL_TERMS, Exposure, OperatingPoint
@@ -64,7 +64,7 @@ from chromanoise.study.schema import PicturePart, PixelPart, ReflectancesPart, S
 _OF_ANSWERS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Given:
     """Objects of Python that a study names, in place of the catalog and files.
 

@@ -1,7 +1,7 @@
 """The cameras of the catalog and further sensors, ranked at equal light on equal area."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from math import isclose, log2
 from typing import Any, ClassVar
@@ -14,6 +14,7 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    dataclass,
     from_above,
 )
 from chromanoise.io import Column, Result, Table, axes_of
@@ -124,7 +125,7 @@ def _conditions(_: Any) -> str:
     return CONDITIONS
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class League(Result):
     """Cameras and sensors of one's own, by color and noise.
 

@@ -5,7 +5,7 @@ The results are of every ColorChecker patch, at every gain.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, ClassVar
 
@@ -18,6 +18,7 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    dataclass,
     decibel,
     with_short_repr,
 )
@@ -83,7 +84,7 @@ _MOST_GAIN = 1e6
 _MOST_READ_NOISE_E = 1e12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PipelineSettings:
     """Settings of the pipeline.
 
@@ -166,7 +167,7 @@ class PipelineSettings:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PipelineStep:
     """The patches after one step.
 
@@ -199,7 +200,7 @@ class PipelineStep:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class GainStep:
     """The sensor at one ISO.
 
@@ -255,7 +256,7 @@ class GainStep:
         return self.dynamic_range_db / decibel(np.array(2.0))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class WhiteBalanceNoise:
     """Error of gains that are estimated from gray pixels, common to all pixels of the picture.
 
@@ -297,7 +298,7 @@ class WhiteBalanceNoise:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PipelineNoise:
     """Noise of the chart through the pipeline of one sensor.
 
@@ -428,7 +429,7 @@ def pipeline_noise(
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Camera:
     """What all gains share: the pipeline of an analysis."""
 

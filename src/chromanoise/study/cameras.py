@@ -5,13 +5,12 @@ lead to both: at ISO speed S the sensor saturates at 78 / S lx s (ISO 12232:2019
 speed), and a noise profile contains the signal at which read noise and shot noise are equal.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import sqrt
 
 import numpy as np
 
-from chromanoise.base import InputError, check
+from chromanoise.base import InputError, check, dataclass
 from chromanoise.noise import FASTEST_F_NUMBER, Exposure, expected_electrons
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Grid, Illuminant, flat_field, illuminant_named
@@ -54,7 +53,7 @@ def _daylight(grid: Grid) -> Illuminant:
     return illuminant_named("D55", grid, beyond="zero")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class CameraPixel:
     """Electrons of a camera of the catalog at one ISO speed.
 

@@ -9,7 +9,7 @@ nor an independent validation.
 import os
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -21,6 +21,7 @@ from chromanoise.base import (
     InputError,
     Setting,
     check,
+    dataclass,
     did_you_mean,
     known_name,
 )
@@ -341,7 +342,7 @@ _OF_CURVES = ("quantity", "unit", "level", "per", "done", "defects")
 _FOUND_IN = ("QE", "response", "reflectance", "transmittance")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Entry:
     """One entry of the catalog.
 

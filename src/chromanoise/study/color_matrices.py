@@ -1,13 +1,23 @@
 """Methods for color matrices by name, and the spectral priors on which matrices are trained."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, check, inv, matrix_rank, pinv
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Setting,
+    check,
+    dataclass,
+    inv,
+    matrix_rank,
+    pinv,
+)
 from chromanoise.color import (
     ColorMatrix,
     Training,
@@ -108,7 +118,7 @@ OwnMatrix = GivenMatrix | Callable[[OperatingPoint], Any]
 """A matrix of one's own, or a function that returns one: 3 x p numbers [lx/e-] or a ColorMatrix."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class MatrixMethod:
     """One method of computing a color matrix.
 
@@ -181,7 +191,7 @@ METHODS: Mapping[str, MatrixMethod] = {
 """The methods of a color matrix by name."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class MatrixMaker:
     """A method with its parameters, metric and prior: gives the matrix of an operating point.
 

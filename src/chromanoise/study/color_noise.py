@@ -6,7 +6,6 @@ total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the co
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from typing import ClassVar, NamedTuple
 
@@ -23,6 +22,7 @@ from chromanoise.base import (
     check,
     congruence,
     covariance_root,
+    dataclass,
     defined,
     inv,
     with_short_repr,
@@ -95,7 +95,7 @@ PLANE = 128
 _AXES = ("exact.measurement.names",)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Viewing:
     """Display and distance from which a picture is viewed, one picture pixel per display pixel.
 
@@ -296,7 +296,7 @@ def visual_noise_of(analysis: Analysis) -> float | None:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class GrayNoise:
     """Noise of a gray, computed by three methods.
 
@@ -399,7 +399,7 @@ _POINTS = 2**13  # per patch: standard deviations are accurate to 0.05 %
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ChartNoise:
     """Color error and noise of each patch, with the light and exposure of an analysis.
 
@@ -683,7 +683,7 @@ def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None
 _BY_CUBATURE = partial(cubature, rule=gaussian_cubature(radii=5, latitudes=3, longitudes=6))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TotalError:
     """Bias, noise and total error of each patch of the chart, as root mean squares.
 

@@ -6,7 +6,7 @@ sensor, the pixel or the file, and what is missing is an error.
 
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from chromanoise.base import (
     UInt16,
     __version__,
     check,
+    dataclass,
     refusal,
     renamed_keywords,
     true_path,
@@ -81,7 +82,7 @@ from chromanoise.study.run_files import refuse_other_record
 from chromanoise.study.schema import Study
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Electrons:
     """A raw picture in electrons above black.
 
@@ -229,7 +230,7 @@ _WITHOUT_SENSOR = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class DenoisingPlan:
     """A picture to be denoised, with all that is known of it; checked.
 
@@ -396,7 +397,7 @@ def prepared_denoising(
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class _Pixel:
     """What is known of the pixel.
 
@@ -651,7 +652,7 @@ _FITTING = (0.8, 1.5)
 _TOP_CODE = 2**16 - 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class DenoisedPicture:
     """A raw picture of another camera after denoising.
 

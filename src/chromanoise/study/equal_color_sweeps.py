@@ -1,13 +1,12 @@
 """Which sensor has the least visual noise at equal color error, over a sweep."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from chromanoise.base import Array, Float, JsonKey, JsonKeys, check, with_short_repr
+from chromanoise.base import Array, Float, JsonKey, JsonKeys, check, dataclass, with_short_repr
 from chromanoise.noise import OperatingPoint
 from chromanoise.spectra import Spectra
 from chromanoise.study.color_matrices import DEFAULT_PRIOR
@@ -21,7 +20,7 @@ Outcome = Literal["leads", "tie", "lost", "not compared"]
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class EqualColorRange:
     """Consecutive compared values of a sweep with the same outcome.
 

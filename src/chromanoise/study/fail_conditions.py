@@ -8,10 +8,17 @@ with the fewest lists around them are meant.
 import operator
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from chromanoise.base import ANY_NAME, LIST, DescribedKey, InputError, described_keys, did_you_mean
+from chromanoise.base import (
+    ANY_NAME,
+    LIST,
+    DescribedKey,
+    InputError,
+    dataclass,
+    described_keys,
+    did_you_mean,
+)
 from chromanoise.io import Result
 from chromanoise.study.sweeps import QUANTITIES
 
@@ -30,7 +37,7 @@ Path = tuple[str, ...]
 _Rank = tuple[bool, bool, int]  # whether it is the quantity, whether a word is any name, lists
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class JudgedResult:
     """What is known of a result before it is computed.
 
@@ -46,7 +53,7 @@ class JudgedResult:
     quantity: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Condition:
     """A condition, with the places of its key.
 

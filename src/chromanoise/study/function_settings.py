@@ -11,11 +11,10 @@ import re
 import shlex
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
 from types import MappingProxyType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-from chromanoise.base import InputError, Interface, did_you_mean, errors_in, refusal
+from chromanoise.base import InputError, Interface, dataclass, did_you_mean, errors_in, refusal
 from chromanoise.study.color_matrices import DEFAULT_METHOD
 from chromanoise.study.reading import refuse_objects, study_as_toml, study_from_data
 from chromanoise.study.resolve_names import shown_word
@@ -24,7 +23,7 @@ from chromanoise.study.schema import KEYS, KeyOfStudy, Study
 Settings = Mapping[str, Any]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class _Function:
     """A function of Python: the beginnings of the keys that it sets, its other arguments.
 
@@ -157,7 +156,7 @@ def flags_of(name: str) -> Mapping[str, str]:
     return dict(interface_of(name).flags)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class DescribedSetting:
     """A setting of a function, for its docstring and its option.
 
@@ -433,7 +432,7 @@ _WIDEST = 80
 _DIGITS = 8  # of the digest in the name of a folder
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Call:
     """A function of Python, or a command, with its arguments.
 

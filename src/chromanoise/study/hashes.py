@@ -8,7 +8,7 @@ import hashlib
 import json
 import platform
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import partial
 from numbers import Number
 from pathlib import Path
@@ -24,7 +24,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise.base import InputError, __version__, blas_kernel, regular_file
+from chromanoise.base import InputError, __version__, blas_kernel, dataclass, regular_file
 from chromanoise.io import DATA_SUFFIXES, envi_pair, is_matrix_file
 from chromanoise.study.catalog import catalog_folder
 from chromanoise.study.resolve_names import (
@@ -55,7 +55,7 @@ Kind = Literal[
 _FILES_ONLY = ("reflectances.chart", "reflectances.pairs")  # words that are no names
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class FileWord:
     """A word of a study that may name a file.
 

@@ -7,7 +7,7 @@ that of the pixels of one area, so that neither the lens nor the size of the pix
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from math import isfinite, sqrt
 from typing import ClassVar
@@ -19,6 +19,7 @@ from chromanoise.base import (
     Float,
     InputError,
     JsonKeys,
+    dataclass,
 )
 from chromanoise.color import (
     ColorMatrix,
@@ -64,7 +65,7 @@ BLOCKS_NM = ((400.0, 485.0), (490.0, 575.0), (580.0, 700.0))
 _SHUTTER_S = 0.01  # of all exposures; it decides on dark current alone
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Ranked:
     """A number by which the league ranks.
 
@@ -135,7 +136,7 @@ RANKED = (
 """What depends on the filters alone; the first decides the order of the table."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class AtIso:
     """One sensor at one ISO speed, per equal area.
 
@@ -170,7 +171,7 @@ class AtIso:
     median_distance: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LeagueEntry:
     """One sensor of a league.
 

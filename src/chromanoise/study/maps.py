@@ -1,12 +1,12 @@
 """A quantity over two parameters: a map per sensor, and lines where two are equally good."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Int, check, with_short_repr
+from chromanoise.base import Array, Float, InputError, Int, check, dataclass, with_short_repr
 from chromanoise.noise import OperatingPoint
 from chromanoise.study.color_matrices import MatrixFunction
 from chromanoise.study.ranking import (
@@ -19,7 +19,7 @@ from chromanoise.study.sweeps import SNR_Y, Curve, Quantity, Sweep, SweptQuantit
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class QuantityMap(SweptQuantity):
     """A quantity over two parameters: one row of values per value of the second.
 
@@ -33,7 +33,7 @@ class QuantityMap(SweptQuantity):
     second_at: Float[Array, " j"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class CrossoverLine:
     """Crossovers of two sensors with one matrix, for each value of the second sweep.
 

@@ -1,7 +1,7 @@
 """Figures of merit, each with its source: of the filters, and of the sensor in its light."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import ClassVar
 
@@ -14,6 +14,7 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    dataclass,
     defined,
     keys_of,
     with_short_repr,
@@ -60,7 +61,7 @@ from chromanoise.study.color_matrices import MatrixFunction
 from chromanoise.study.color_noise import GRAY, PLANE, Viewing, noise_as_viewed
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Merit:
     """One figure of merit.
 
@@ -532,7 +533,7 @@ def matrix_merits(analysis: Analysis) -> tuple[Merit, ...]:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Merits:
     """All figures of merit of a sensor in a light and with an exposure.
 

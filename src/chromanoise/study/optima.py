@@ -1,12 +1,11 @@
 """The value of a parameter at which each sensor is best, over a sweep and over a map."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
-from chromanoise.base import Array, Int, JsonKey, JsonKeys, with_short_repr
+from chromanoise.base import Array, Int, JsonKey, JsonKeys, dataclass, with_short_repr
 from chromanoise.io import number_text
 from chromanoise.noise import OperatingPoint
 from chromanoise.study.color_matrices import MatrixFunction
@@ -23,7 +22,7 @@ _MOST_NAMED = 3  # sensors that a sentence names
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Optimum:
     """The value of a sweep at which one sensor is best, with one matrix.
 
@@ -187,7 +186,7 @@ def _rest(count: int) -> str:
     return f"; the JSON has the other {more}" if more > 0 else ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class BestCell:
     """The pair of values at which one sensor is best, with one matrix.
 

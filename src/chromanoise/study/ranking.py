@@ -5,7 +5,7 @@ expects. Over a sweep, the best sensor of each range is listed.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations, pairwise, starmap
 from typing import Any, ClassVar
 
@@ -17,6 +17,7 @@ from chromanoise.base import (
     InputError,
     JsonKey,
     JsonKeys,
+    dataclass,
     with_short_repr,
 )
 from chromanoise.io import number_text
@@ -39,7 +40,7 @@ _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Crossover:
     """Where two sensors with the same matrix are equally good.
 
@@ -81,7 +82,7 @@ class Crossover:
     last_at: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Incomparable:
     """Two sensors that have no common value of the sweep at which the quantity is defined.
 
@@ -309,7 +310,7 @@ def value_in_words(value: float, digits: int = 3) -> str:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class CrossoverBand:
     """Where two sensors are equally good, over all priors of one trained matrix.
 
@@ -420,7 +421,7 @@ MOST_CROSSED_SENSORS = 60
 """Up to this number of sensors the crossovers of all pairs are computed."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Rank:
     """The place of one sensor among all, with one matrix.
 
@@ -446,7 +447,7 @@ class Rank:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Lead:
     """A range of the sweep in which one sensor is the best of all, with one matrix.
 

@@ -7,7 +7,7 @@ information about spectra.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cache
 from typing import ClassVar, Literal, get_args
 
@@ -19,6 +19,7 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    dataclass,
     matrix_rank,
     pinv,
     svd,
@@ -75,7 +76,7 @@ _LEVELS = 61
 _HALVINGS = 30
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ContrastDetection:
     """Probability that one pixel shows the contrast of two grays within the tolerance.
 
@@ -211,7 +212,7 @@ _CONSTANT = 1e-20  # share of the variance before clipping below which a reading
 _NO_NOISE_E2 = 1e-12  # in place of 0, where it decides only which values are clipped
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class InformationStep:
     """Information after one step of a camera.
 
@@ -236,7 +237,7 @@ class InformationStep:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class InformationChain:
     """Information about a prior of spectra after each step of a camera (`information_chain`).
 
@@ -534,7 +535,7 @@ def _worst_keys(reading: str) -> JsonKeys:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Separation:
     """Distance and separation probability of each pair of patches, for an ideal reader.
 
@@ -655,7 +656,7 @@ def median_distances(
     return np.where(at.saturated.any(axis=(-1, -2)), np.nan, np.median(found, axis=-1))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PairOutcome:
     """How well one pair of patches is separated.
 
@@ -682,7 +683,7 @@ class PairOutcome:
         return self.probability < NEAR_CHANCE
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class RawOutcome:
     """The median and the worst pair for one entry of `READINGS`.
 
@@ -799,7 +800,7 @@ def _raw_probabilities(at: Stages, pairs: PatchPairs) -> Float[Array, " m"]:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MachineReading:
     """What a machine can know from the raw values of one sensor.
 

@@ -7,7 +7,7 @@ analysis are registered in ``OUTPUTS``.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -25,6 +25,7 @@ from chromanoise.base import (
     JsonKeys,
     Setting,
     check,
+    dataclass,
     warn_of_old_name,
     with_short_repr,
     write_whole,
@@ -362,7 +363,7 @@ BUDGET_KEYS: JsonKeys = (
 """The budgets of an analysis; ``None`` where a coordinate has none."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Output:
     """A further output of a study for each sensor.
 
@@ -440,7 +441,7 @@ def _asked_keys(name: str, output: Output) -> JsonKey:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Outcome:
     """Every stage of one sensor, and the further outputs of the study.
 
@@ -548,7 +549,7 @@ def outcome_of(
 Kind = TypeVar("Kind", bound="Result")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Analyses(Result):
     """The analysis of each sensor with one color matrix.
 
@@ -677,7 +678,7 @@ class Analyses(Result):
         return self._html(f"At {conditions(self.points)}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MatrixResult(Result):
     """One color matrix of one sensor.
 
@@ -827,7 +828,7 @@ def _color_error_text(one: MatrixResult) -> str:
     return f"{one.point.sensor.label} {error} Delta E*ab"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Matrices(Result):
     """The color matrix of each sensor, by one method.
 
@@ -867,7 +868,7 @@ class Matrices(Result):
         return self._html(f"{self.method} at {conditions([one.point for one in self.results])}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Comparison(Result):
     """A quantity of all sensors as a function of one parameter.
 
@@ -968,7 +969,7 @@ class Comparison(Result):
         return self._html(f"From {conditions(self.points)}", self.shown_sentences)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ComparisonMap(Result):
     """A quantity of all sensors as a function of two parameters.
 
@@ -1049,7 +1050,7 @@ class ComparisonMap(Result):
         return self._html(f"From {conditions(self.points)}", self.shown_sentences)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Pictures(Result):
     """The pictures of one cube.
 
@@ -1137,7 +1138,7 @@ RESULT_KINDS: Mapping[str, type[Result]] = {
 """The classes of results with described keys, by the commands that write them as JSON."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Results:
     """All results of a study.
 

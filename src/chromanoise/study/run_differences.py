@@ -7,11 +7,10 @@ their names, in any order.
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from chromanoise.base import InputError, JsonKeys, plain
+from chromanoise.base import InputError, JsonKeys, dataclass, plain
 from chromanoise.io import Table, table_of
 from chromanoise.study.fail_conditions import names_of_entries
 from chromanoise.study.run_files import ROUNDING, STUDY_FILE, output_files, read_record
@@ -19,7 +18,7 @@ from chromanoise.study.run_files import ROUNDING, STUDY_FILE, output_files, read
 _MOST_SHOWN = 5
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ChangedValue:
     """A value that differs.
 
@@ -55,7 +54,7 @@ class ChangedValue:
         return abs(self.second - self.first) / max(abs(self.first), abs(self.second))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Differences:
     """What differs between two outputs.
 

@@ -8,7 +8,6 @@ import filecmp
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import chdir, nullcontext
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from chromanoise.base import (
     __version__,
     claimed_folder,
     content_hash,
+    dataclass,
     json_file,
     json_text,
     refuse_unwritable,
@@ -48,7 +48,7 @@ Report = Callable[[str, bool], None]
 """Called for each step with its description and whether its result already exists."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class RecordedRun:
     """The run that made an output.
 
@@ -496,7 +496,7 @@ ROUNDING = 1e-9
 """Largest relative difference of an analysis expected from other BLAS kernels."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Agreement:
     """Agreement of a second run with the first.
 

@@ -5,11 +5,11 @@ The settings and cameras of the pictures are prepared before the computation.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from chromanoise.base import InputError, claimed_folder, frozen
+from chromanoise.base import InputError, claimed_folder, dataclass, frozen
 from chromanoise.imaging import (
     Camera,
     Capture,
@@ -149,7 +149,7 @@ def _keyed(key: str) -> AbstractContextManager[None]:
     return keyed(key, lambda name: own.get(name, name), own)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TakenPicture:
     """One picture of a study.
 
@@ -267,7 +267,7 @@ StepResult = Analyses | Matrices | Comparison | ComparisonMap | Pictures
 Advance = Callable[[int], None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Step:
     """One part of a run.
 
@@ -307,7 +307,7 @@ def no_progress(_: Step) -> AbstractContextManager[Advance]:
     return nullcontext(lambda _: None)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RunPlan:
     """A study whose names are resolved but whose steps are not yet computed.
 

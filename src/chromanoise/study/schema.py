@@ -6,7 +6,6 @@ The classes define which studies are valid. File names are relative to the folde
 
 import os
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import reduce
 from importlib import resources
 from pathlib import Path
@@ -36,6 +35,7 @@ from chromanoise.base import (
     after,
     beside_their_needs,
     check,
+    dataclass,
     did_you_mean,
     known_name,
     no_place_for,
@@ -1205,7 +1205,7 @@ def study_schema() -> dict[str, Any]:
     return Study.model_json_schema() | {"$schema": "https://json-schema.org/draft/2020-12/schema"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class KeyOfStudy:
     """A key of a study that holds a value.
 

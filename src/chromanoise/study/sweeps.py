@@ -6,7 +6,7 @@ exposure time, for example, stays.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any, ClassVar, TypeVar
 
@@ -21,6 +21,7 @@ from chromanoise.base import (
     JsonKeys,
     Setting,
     check,
+    dataclass,
     with_short_repr,
 )
 from chromanoise.color import LAB, ColorMatrix, cubature, propagate
@@ -49,7 +50,7 @@ from chromanoise.study.reading_quality import (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Quantity:
     """One number of an operating point.
 
@@ -288,7 +289,7 @@ _ILLUMINATOR_NM = 850.0
 _LEAST_LOGARITHMIC = 1e-6  # of a property that may be 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Sweep:
     """One parameter that varies.
 
@@ -500,7 +501,7 @@ def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[
     return np.unique(values.round()) if sweep.whole else values
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SweptQuantity:
     """A quantity of one sensor with one matrix over a sweep.
 
@@ -538,7 +539,7 @@ class SweptQuantity:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Curve(SweptQuantity):
     """A quantity over one parameter.
 

@@ -7,7 +7,7 @@ the color errors are equal: at the least error that all sensors reach.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import lru_cache
 from itertools import combinations, groupby
 from typing import Any, ClassVar, Literal, NamedTuple
@@ -23,6 +23,7 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    dataclass,
     decibel,
     matrix_rank,
     with_short_repr,
@@ -80,7 +81,7 @@ NO_COLOR = "X, Y or Z of the light is 0"
 NO_CHART = "the chart has no colors"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Chart:
     """A chart and its white under the light of an operating point.
 
@@ -127,7 +128,7 @@ def _chart_of(point: OperatingPoint) -> _Chart:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TradeOff:
     """Color error against color noise of one sensor, along its noise-aware matrices.
 
@@ -272,7 +273,7 @@ class TradeOff:
         return low ** (1 - share) * high**share
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Standing:
     """A sensor in a comparison at equal color error.
 
@@ -325,7 +326,7 @@ class Standing:
     channels: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class LeftOut:
     """A sensor that cannot be compared at equal color error.
 
@@ -344,7 +345,7 @@ class LeftOut:
     why: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Turn:
     """A range in which another sensor has less visual noise than the winner, beyond a tie.
 
@@ -368,7 +369,7 @@ class Turn:
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class EqualColor:
     """Which sensor has the least visual noise at equal color error.
 
@@ -464,7 +465,7 @@ class Told(NamedTuple):
 
 
 @with_short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Verdict:
     """Which of several sensors is best for a reader, and why.
 
@@ -660,7 +661,7 @@ def total_error_as_viewed(
     return np.asarray(np.sqrt(chart.errors(seen) ** 2 + spread).mean(axis=-1))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class LostColors:
     """A matrix whose colors are lost in the noise: a gray picture without noise has less error.
 

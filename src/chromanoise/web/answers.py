@@ -4,10 +4,10 @@ import json
 import logging
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, TypeVar
 
-from chromanoise.base import InputError, json_of
+from chromanoise.base import InputError, dataclass, json_of
 from chromanoise.charts import (
     DRAWINGS,
     PARTS,
@@ -157,7 +157,7 @@ class ChartReplies:
         return json.dumps(chart, allow_nan=False)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Asked:
     """The study of a request, and the keys of the caches, which all of its parts share."""
 

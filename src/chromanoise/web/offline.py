@@ -1,8 +1,9 @@
 """The page without a server: one function from the path and the body of a question to its reply."""
 
 import traceback
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from chromanoise.base import dataclass
 from chromanoise.web.questions import QuestionError, faults_json
 from chromanoise.web.services import Services
 from chromanoise.web.uploads import Uploads, label_of
@@ -15,7 +16,7 @@ PREPARED = ("choices", "story", "explanations")
 """Questions without a body, whose replies depend on nothing."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Reply:
     """What a question gets.
 

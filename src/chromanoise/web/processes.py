@@ -19,12 +19,11 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import partial
 from queue import SimpleQueue
 from typing import Any, BinaryIO
 
-from chromanoise.base import exit_code, sandbox, started_python
+from chromanoise.base import dataclass, exit_code, sandbox, started_python
 from chromanoise.web.questions import QuestionError
 from chromanoise.web.uploads import Upload
 
@@ -270,7 +269,7 @@ _KILLED = -9  # SIGKILL, by no name on Windows
 _TOO_LONG = (sandbox.TOO_LONG, -getattr(signal, "SIGXCPU", 24))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Lane:
     """A queue, and the processes that work on it.
 
@@ -284,7 +283,7 @@ class Lane:
     memory_bytes: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Job:
     """A kind of request, with its queue and limits.
 

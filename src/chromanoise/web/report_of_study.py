@@ -3,13 +3,22 @@
 import json
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Record, UInt8, __version__, check, from_above
+from chromanoise.base import (
+    Array,
+    InputError,
+    Record,
+    UInt8,
+    __version__,
+    check,
+    dataclass,
+    from_above,
+)
 from chromanoise.charts import (
     PARTS,
     SECTIONS,
@@ -59,7 +68,7 @@ from chromanoise.web.report_bundle import (
 _CHARTS = tuple(part for part in PARTS if part != "head")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sight:
     """One cube through every sensor.
 
@@ -146,7 +155,7 @@ _DIODE_NM = 850.0
 _SEES_INFRARED = 0.02  # QE below which a channel is blind to it. [e-/photon]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Slide:
     """One slider.
 
@@ -485,7 +494,7 @@ _SIZE_IN = (7.2, 4.2)
 _DOTS_PER_IN = 96  # of a screen
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class StudyResults:
     """The results of all steps of a study but its pictures.
 

@@ -9,7 +9,6 @@ import base64
 import hashlib
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
@@ -18,7 +17,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from chromanoise.base import palette_css
+from chromanoise.base import dataclass, palette_css
 from chromanoise.web.questions import QuestionError, faults_json
 
 JSON_BYTES = 1_000_000
@@ -209,7 +208,7 @@ _MOST_COMING_BYTES = 64_000_000  # of all bodies being received
 _REST_S = 5.0  # longest time between two chunks of a body
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(eq=False)
 class _Coming:
     patience: asyncio.Timeout
     latest_s: float

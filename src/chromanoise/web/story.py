@@ -1,11 +1,12 @@
 """The tour of the page: five studies, each with a few sentences, a question and its answer."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 
+from chromanoise.base import dataclass
 from chromanoise.charts import (
     Shown,
     brief,
@@ -39,7 +40,7 @@ _DARK_LUX = 0.1
 _CHANGED_DB = 0.3  # least change of a bar that the answer names
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Step:
     """One step of the tour.
 

@@ -8,9 +8,9 @@ import threading
 from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
+from chromanoise.base import dataclass
 from chromanoise.web.questions import QuestionError
 
 MOST_FILES = 256
@@ -26,7 +26,7 @@ _ENDINGS = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Upload:
     """A file that was dropped.
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, ClassVar, get_args, get_origin
@@ -17,6 +17,7 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    dataclass,
     defined,
     from_above,
 )
@@ -40,7 +41,7 @@ SCHEMA = "chromanoise characterization"
 SCHEMA_VERSION = 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Quantity:
     """A value of a plane, as tables list it.
 
@@ -76,7 +77,7 @@ class Quantity:
         return "%" if self.is_share else self.unit.removeprefix("1")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class LevelNoise:
     """One plane at one level of light.
 
@@ -129,7 +130,7 @@ class LevelNoise:
         return samples if 2 <= samples <= 1e12 else None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PlaneNoise(PartialPixel):
     """Noise of one plane of the mosaic, named as in EMVA 1288; ``_se`` are standard errors.
 
@@ -244,7 +245,7 @@ QUANTITIES = tuple(
 """The values of a plane in the order of tables."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ModelVerdict:
     """Whether the camera follows the linear model: variance = K mean + dark variance, white.
 
@@ -267,7 +268,7 @@ class ModelVerdict:
     sentences: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Characterization(Result):
     """Noise of a camera from its own frames.
 

@@ -7,7 +7,6 @@ predicted with the measured variance through a color matrix.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, ClassVar
 from xml.etree import ElementTree
@@ -32,6 +31,7 @@ from chromanoise.base import (
     JsonKeys,
     Setting,
     check,
+    dataclass,
     defined,
     pinv,
 )
@@ -512,7 +512,7 @@ def _printable(text: str) -> str:
     return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MatrixCheck:
     """Temporal variance of linear combinations of the planes, at each level from dark to bright.
 

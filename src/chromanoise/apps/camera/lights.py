@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import TypeVar
 
@@ -18,7 +18,7 @@ from chromanoise.apps.camera.statistics import (
     PlaneSample,
     scaled_sample,
 )
-from chromanoise.base import Array, InputError, Integer, keep_freed_memory
+from chromanoise.base import Array, InputError, Integer, dataclass, keep_freed_memory
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, refuse_few, refuse_mixed
 from chromanoise.sensor import LEAST_DARK_DN2, SAME_TIME, PhotonTransfer
 
@@ -354,7 +354,7 @@ def _refuse_apart(group: Sequence[RawFrame], light: LightSample) -> None:
             )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class LightChange:
     """A statistically significant change of the light between the flats of one level.
 

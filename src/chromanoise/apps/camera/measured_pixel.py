@@ -5,7 +5,7 @@ The pixel is derived from all planes of a mosaic; the sampler adds noise to trai
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import itemgetter
 from typing import Any
 
@@ -19,7 +19,7 @@ from chromanoise.apps.camera.characterization import (
     by_iso,
     several,
 )
-from chromanoise.base import InputError, Setting, defined
+from chromanoise.base import InputError, Setting, dataclass, defined
 from chromanoise.io.pixels import pixel_source_toml
 from chromanoise.sensor import CameraNoise, PixelSource, ReadNoiseTable
 
@@ -168,7 +168,7 @@ _MERGED: Mapping[str, tuple[str, str, int, Callable[[Known, str], tuple[float, s
 """Of each merged field: name, unit and digits in the note, and how the planes are merged."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Merged:
     value: float
     note: str

@@ -7,7 +7,6 @@ curves are photon transfer, SNR and linearity.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ from chromanoise.apps.camera.characterization import (
 )
 from chromanoise.apps.camera.lights import PlaneLights
 from chromanoise.apps.camera.statistics import PlaneSample, SpatialVariance, mean_shared
-from chromanoise.base import Array, Bool, Float
+from chromanoise.base import Array, Bool, Float, dataclass
 from chromanoise.io.frames import FrameLevel
 from chromanoise.sensor import ROUNDING_DN2, TransferFit
 
@@ -92,7 +91,7 @@ def _root(variance: float, se: float, scale: float, relative_se: float) -> _Valu
     return _Value(value, math.hypot(max(high - value, value - low) / 3, value * relative_se))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class FixedNoise:
     """What averaged frames show of one plane.
 
@@ -190,7 +189,7 @@ def plane_of_fit(fit: TransferFit, **values: Any) -> PlaneNoise:
     return PlaneNoise(**of_fit | values)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Transfer:
     """The levels with light, from dark to bright, with mean and variance of each in the dark.
 
@@ -342,7 +341,7 @@ def _linearity_error(transfer: _Transfer, fit: TransferFit) -> float | None:
 _POINTS = 120
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PlaneCurves:
     """The curves of one plane against the light.
 

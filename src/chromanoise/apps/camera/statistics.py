@@ -14,11 +14,11 @@ DSNU, PRNU and hot pixels of a plane come from sums of frames (EMVA 1288).
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Integer, check
+from chromanoise.base import Array, Float, InputError, Integer, check, dataclass
 from chromanoise.imaging import (
     SMOOTHED,
     PairSums,
@@ -41,7 +41,7 @@ BAND_PIXELS = 1 << 17
 """Pixels of a plane from which correlations are computed: their error is 0.003."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PlaneSample:
     """Statistics of one plane over the frames of one light.
 
@@ -143,7 +143,7 @@ def mean_shared(samples: Sequence[PlaneSample], which: str) -> tuple[float, floa
     return mean, math.sqrt(float(errors @ errors)) / errors.size
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LightSample:
     """Statistics of all planes over the frames of one light.
 
@@ -481,7 +481,7 @@ _SMOOTH = np.convolve(np.convolve(np.full(7, 1 / 7), np.full(11, 1 / 11)), _BINO
 """Smoothing of EMVA 1288 in one direction: 7 and 11 pixels wide, then a binomial of 3."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class SpatialVariance:
     """Variance of the pixels of an averaged frame without its temporal part.
 
@@ -508,7 +508,7 @@ class SpatialVariance:
         return math.sqrt((self.mean_dn - dark.mean_dn) ** 2 + self.removed_dn2)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FixedPattern:
     """The sum of frames of one light, one plane, without the places of its pixels.
 

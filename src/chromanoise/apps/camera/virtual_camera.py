@@ -15,7 +15,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from itertools import count
 from pathlib import Path
 from typing import Annotated, Any
@@ -32,6 +32,7 @@ from chromanoise.base import (
     Setting,
     UInt16,
     check,
+    dataclass,
     optional_package,
     properties_of,
     stream,
@@ -56,7 +57,7 @@ _GEOMETRY = ("pitch_um",)  # properties of a pixel that have no effect on codes
 _QUIET = Pixel(pitch_um=1.0, full_well_e=12_000.0, read_noise_e=0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PlaneTruth(PartialPixel):
     """True values of one plane of a virtual camera, named as in `PlaneNoise`.
 
@@ -97,7 +98,7 @@ class PlaneTruth(PartialPixel):
     hot_pixels: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class VirtualCamera(PartialPixel):
     """A camera whose noise is known. Every non-ideality is 0 by default.
 

@@ -7,7 +7,7 @@ level and method.
 import time
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, field, replace
 from functools import cache
 from math import inf, isfinite
 from types import MappingProxyType
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, Integer, UInt8
+from chromanoise.base import Array, Float, Float32, InputError, Integer, UInt8, dataclass
 from chromanoise.color import ColorMatrix, adapted_to_d65, cielab, scene_xyz, srgb_from_xyz
 from chromanoise.imaging import (
     ALL_CORES,
@@ -68,7 +68,7 @@ _MARGIN_PX = 8  # of the flat part of a patch of the chart
 _LEAST_FLAT_PX = 16  # of what a part of a cube leaves of a flat region: fewer show no noise
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class BenchmarkScene:
     """A part of a cube, with its known edges and flat regions.
 
@@ -170,7 +170,7 @@ _SEED_BITS = 64  # of `noisy_electrons`
 _SHARED: tuple[Drawn, ...] = ("row", "column", "levels")  # drawn as in pictures
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class BenchmarkCamera:
     """A sensor at one exposure and light, with its color matrix.
 
@@ -193,7 +193,7 @@ class BenchmarkCamera:
     demosaic: str = "bilinear"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class EdgeSharpness:
     """Sharpness of a slanted edge in Y, after denoising and in the noise-free picture.
 
@@ -211,7 +211,7 @@ class EdgeSharpness:
     reference_rise_px: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class FlatNoise:
     """Noise on the flat regions of a scene.
 
@@ -229,7 +229,7 @@ class FlatNoise:
     snr_y_db: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class BenchmarkCell:
     """A method on one scene through one camera, compared with the picture without noise.
 
@@ -545,7 +545,7 @@ def _true_colors(cube: Cube, camera: BenchmarkCamera) -> Float[Array, "h w 3"]:
 # ---- verdict and table ----
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Verdict:
     """A method against all baselines.
 

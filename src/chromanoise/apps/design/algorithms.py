@@ -14,7 +14,7 @@ kinks.
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -35,6 +35,7 @@ from chromanoise.base import (
     Float,
     InputError,
     Int64,
+    dataclass,
     inv,
     refuse_absent_package,
     solve,
@@ -500,7 +501,7 @@ class CovarianceMatrixAdaptation:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class SearchMethod:
     """A method of the search.
 
@@ -638,7 +639,7 @@ _ROUNDS = 40  # at most, before the last
 _SETTLED, _SETTLED_ROUNDS = 1e-3, 3  # mean gain of the references; rounds that must gain less
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Improved:
     """The ends of the descents, with their evaluation without gradients.
 
@@ -802,7 +803,7 @@ def _starts(
     return np.where(kind < _UNCHANGED, parents, others)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Linear:
     """Scaled costs and constraints at points of the unit cube, with derivatives."""
 
@@ -831,7 +832,7 @@ class _Linear:
         return _combined(weights, self.slopes) + _combined(of_rows, self.jacobian)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Merit:
     """Merit of points: the objective of a descent, and the sum of their scaled violations."""
 
@@ -842,7 +843,7 @@ class _Merit:
     violation: Float[Array, "n r"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Step:
     """The minimum of a quadratic model within the box, and its multipliers."""
 

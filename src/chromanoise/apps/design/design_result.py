@@ -9,7 +9,7 @@ import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -48,6 +48,7 @@ from chromanoise.base import (
     InputError,
     __version__,
     claimed_folder,
+    dataclass,
     from_above,
     json_file,
     refuse_absent_package,
@@ -117,7 +118,7 @@ def _is_of_rest(parameter: Parameter) -> bool:
     return parameter.name.endswith(_OF_REST)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ShownNumber:
     """A designed number of all members for a table.
 
@@ -396,7 +397,7 @@ SENSORS = "sensors"
 _KEPT = ("metric", "observer", "prior", "reflectances")  # keys that a member's study takes over
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Design(Result):
     """The front of a design: sensors of which none is better than another in all objectives.
 

@@ -6,7 +6,7 @@ A scene fixes light, exposure and color matrix. Its arrays are computed once for
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Literal, Protocol, get_args, runtime_checkable
 
@@ -22,6 +22,7 @@ from chromanoise.base import (
     InputError,
     Integer,
     check,
+    dataclass,
     qr,
     svd,
     unit_columns,
@@ -49,7 +50,7 @@ from chromanoise.study import (
 _ROUNDING = 1e-16  # of the largest singular value of a training set
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class DesignScene:
     """Light, exposure and color matrix with which every candidate of a design is evaluated.
 
@@ -98,7 +99,7 @@ class DesignScene:
         return matrix_makers([self.matrix], self.metric, prior=self.prior)[self.matrix.strip()]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SceneArrays:
     """What a batch of candidates needs of a scene. Electrons are those of a QE of 1.
 
@@ -257,7 +258,7 @@ class Space(Protocol):
         """The candidates of values of the parameters; complex for complex values."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Objectives:
     """Objectives of candidates in scenes.
 
@@ -495,7 +496,7 @@ class Objectives:
         return np.array([_values(self, scene, batch, names) for scene in self.scenes])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Linearization:
     """Objectives at points of a design space, and their derivatives.
 
@@ -519,7 +520,7 @@ class Linearization:
     separations_jacobian: Float[Array, "*m l d"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SensorBatch:
     """Candidates, or choices from a library with what else was chosen.
 
@@ -776,7 +777,7 @@ def _own(values: Array, dtype: Any) -> Array:
     return np.require(values, dtype, ["C", "W"])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Rows:
     """The rows of a scene that some objectives need, and where each group begins."""
 

@@ -6,12 +6,12 @@ whole batch; tests compare them with the function.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise.base import Array, defined
+from chromanoise.base import Array, dataclass, defined
 from chromanoise.color import ColorMatrix, first_order
 from chromanoise.metrics import (
     chart_ciede2000,
@@ -45,7 +45,7 @@ SNR10 = 10.0
 """The amplitude ratio of SNR10, 20 dB."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Candidate:
     """One candidate in one scene: an operating point and its color matrix.
 
@@ -62,7 +62,7 @@ class Candidate:
     maker: MatrixMaker
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Objective:
     """One number of a candidate.
 

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -31,7 +31,7 @@ from chromanoise.apps.design.search import (
     SearchOptions,
 )
 from chromanoise.apps.design.space import LEAST_QE, Channel, DesignSpace, Filter
-from chromanoise.base import Array, Float, InputError, check
+from chromanoise.base import Array, Float, InputError, check, dataclass
 from chromanoise.io.spectra import Answers
 from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import Sensor, dye_transmittances, mosaic_named, with_channel_names
@@ -55,7 +55,7 @@ FULLEST = 0.99
 _SAMPLED = 64  # candidates of which the spread of each constraint is taken
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Reference:
     """A sensor with which the designs are compared.
 
@@ -72,7 +72,7 @@ class Reference:
     objectives: Mapping[str, float]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Limit:
     """A constraint with its number.
 
@@ -107,7 +107,7 @@ FULL_WELL = f"share of full well <= {FULLEST:g}"
 """Name of the constraint that every design has."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Task:
     """All that a search of a design needs.
 
@@ -195,7 +195,7 @@ class Task:
         return _identity(self.document, arrays, self.given.objects)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Evaluation:
     """Objectives and constraints of candidates: a function that can be sent to a worker.
 

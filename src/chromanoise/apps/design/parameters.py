@@ -5,7 +5,7 @@ The arrays are what a batched evaluation reads of the sensors, with the noise of
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from functools import cache, lru_cache
 from types import MappingProxyType, SimpleNamespace
 from typing import Annotated, Any, Literal, get_args
@@ -22,6 +22,7 @@ from chromanoise.base import (
     Property,
     after,
     check,
+    dataclass,
     did_you_mean,
     known_name,
 )
@@ -29,7 +30,7 @@ from chromanoise.sensor import PIXEL, Sensor, Term, possible, quantization_step_
 from chromanoise.study import Part
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Candidates:
     """``m`` sensors with ``p`` channels on one grid, with their exposure, pixel and matrix.
 
@@ -143,7 +144,7 @@ def noise_of(
     return np.array(np.broadcast_arrays(*law, dark_e))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Free:
     """A number that the search chooses, as a design gives it.
 
@@ -167,7 +168,7 @@ Value = float | Free | str
 """A fixed number, a free one, or the name of the parameter to which it is tied."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Parameter(Free):
     """One free number of a design space: one coordinate of a search.
 

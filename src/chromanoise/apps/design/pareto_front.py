@@ -6,7 +6,7 @@ front dominates another one; a front can be thinned, and has extremes and a knee
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -27,6 +27,7 @@ from chromanoise.base import (
     __version__,
     after,
     check,
+    dataclass,
     dotted,
     json_text,
     regular_file,
@@ -37,7 +38,7 @@ from chromanoise.spectra import Spectra
 from chromanoise.study import ExposurePart, LightPart, PixelPart, matrix_makers
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Evaluated:
     """Objectives and constraints of ``m`` candidates.
 
@@ -53,7 +54,7 @@ class Evaluated:
     violation: Float[Array, "m r"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Linearized:
     """Objectives and constraints of ``m`` candidates with their exact derivatives.
 
@@ -77,7 +78,7 @@ class Linearized:
     constraint: Int64[Array, " rows"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Problem:
     """An optimization problem: ``d`` parameters, ``q`` objectives, ``r`` constraints.
 
@@ -376,7 +377,7 @@ def knee(costs: Float[Array, "m q"]) -> int:
     return int(np.argmin(scaled(costs).sum(axis=1)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Member:
     """One design on the front.
 
@@ -407,7 +408,7 @@ class Member:
     active: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Front:
     """The members of a front, ordered by the first objective, the best first.
 
@@ -500,7 +501,7 @@ LARGEST = 1000
 """Most members of a final front."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Archive:
     """The front of all evaluated candidates, and the smallest violations of the constraints.
 

@@ -16,7 +16,7 @@ import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,7 @@ from chromanoise.base import (
     InputError,
     Setting,
     check,
+    dataclass,
     json_of,
     regular_file,
     write_kept,
@@ -57,7 +58,7 @@ from chromanoise.base import (
 from chromanoise.imaging import client_of
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Scheduler:
     """A cluster on which candidates are evaluated, in as many chunks as it has threads.
 
@@ -132,7 +133,7 @@ _DAMAGED = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Checkpoint:
     """A search after a generation.
 
@@ -288,7 +289,7 @@ _BEYOND = 0.1  # of the range of the front: from its worst values to the referen
 _NUMERICAL = (InputError, ArithmeticError, ValueError)  # also of linear solvers
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class SearchOptions:
     """Method, effort and seed of a search.
 
@@ -343,7 +344,7 @@ DEFAULT_SEARCH = SearchOptions()
 """Method and effort of a search that names none."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Progress:
     """A search after a generation.
 
@@ -365,7 +366,7 @@ class Progress:
     objectives: Float[Array, "k q"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Milestone:
     """The front after a number of evaluations.
 
@@ -383,7 +384,7 @@ class Milestone:
     best: Float[Array, " q"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Convergence:
     """How far a search has converged.
 
@@ -418,7 +419,7 @@ class Convergence:
     failures: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FrontResult:
     """The front: feasible candidates of which none dominates another.
 

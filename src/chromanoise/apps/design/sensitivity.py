@@ -1,7 +1,7 @@
 """Effects of 1 nm or 1 % of each parameter of a sensor on objectives, and tolerance budgets."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -15,6 +15,7 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    dataclass,
     from_above,
     lstsq,
     plain,
@@ -44,7 +45,7 @@ _OF_EXPOSURE = {"time_s": "exposure time", "f_number": "f-number"}
 _SMALL_END = 0.01  # of the peak of a curve
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Varied:
     """A parameter that may change.
 
@@ -234,7 +235,7 @@ Values = Callable[[Mapping[str, float]], Array]
 """The objectives of a sensor whose parameters are changed, by name."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class HalfWidths:
     """Tolerances of the parameters of a sensor: half widths of uniform distributions.
 
@@ -287,7 +288,7 @@ def half_widths(nm: float | None, percent: float | None) -> HalfWidths | None:
     return HalfWidths(nm=nm or 0.0, percent=percent or 0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
     """The effect of one parameter.
 
@@ -302,7 +303,7 @@ class Effect:
     slope: Mapping[str, float | None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Spread:
     """The objectives of sensors whose parameters differ by their tolerances.
 
@@ -342,7 +343,7 @@ class Spread:
         return {name: {key: getattr(self, key)[name] for key in names} for name in self.total}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sensitivity(Result):
     """Effects of all parameters of a sensor on its objectives.
 

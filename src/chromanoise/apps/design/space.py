@@ -1,7 +1,7 @@
 """Spaces of sensors that can be made: filters, silicon, mosaic and exposure with free numbers."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, field
 from typing import Literal, get_args
 
 import numpy as np
@@ -16,7 +16,7 @@ from chromanoise.apps.design.parameters import (
     refuse_outside,
     tied_to,
 )
-from chromanoise.base import Array, Float, Inexact, InputError, check, known_name
+from chromanoise.base import Array, Float, Inexact, InputError, check, dataclass, known_name
 from chromanoise.sensor import (
     FILTER_MODELS,
     LEAST_LENGTH_NM,
@@ -58,7 +58,7 @@ LEAST_QE = 1e-9
 _ROUNDING = 1e-9
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Filter:
     """One filter of a design: a model and its numbers.
 
@@ -81,7 +81,7 @@ class Filter:
         object.__setattr__(self, "model", known_name(self.model, MODELS))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Channel:
     """One channel of a design.
 
@@ -103,7 +103,7 @@ class Channel:
     base: str | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class DesignSpace:
     """Sensors of ``p`` channels that differ in ``d`` free numbers.
 

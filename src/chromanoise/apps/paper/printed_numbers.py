@@ -5,8 +5,7 @@ interpretation", CIC27 (2019), Tables 1-5. Figure 8 shows one scene through both
 exposure.
 """
 
-from dataclasses import dataclass
-
+from chromanoise.base import dataclass
 from chromanoise.imaging import Picture, rendered
 from chromanoise.noise import Exposure, OperatingPoint, time_to_saturation
 from chromanoise.sensor import Sensor, with_channels
@@ -49,7 +48,7 @@ PRINTED_FULL_WELL_SNR_DB = {G_N: 39.95, G: 39.95}
 PRINTED_GREEN_SNR_Y_DB = {G_N: 36.9, G: 39.7}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PaperStudy:
     """The paper's scene, sensors and exposures, each taken through every stage.
 

@@ -5,7 +5,7 @@ its standard error.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from chromanoise.apps.paper.printed_numbers import (
     G,
     PaperStudy,
 )
-from chromanoise.base import __version__
+from chromanoise.base import __version__, dataclass
 from chromanoise.io import Column, Entry, Table
 from chromanoise.metrics import (
     CORRELATION,
@@ -171,7 +171,7 @@ def _db(value: float | None) -> float:
     return value
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Cell:
     """One number of the paper beside ours.
 
@@ -200,7 +200,7 @@ class Cell:
     clipped_share: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Reproduction:
     """The paper's tables, ours beside them.
 
@@ -286,7 +286,7 @@ _SNR_OF: dict[str, Callable[[Analysis], dict[str, float | None]]] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Line:
     """One row of a table of SNRs: which coordinate of which stage, and what the paper prints."""
 
@@ -355,7 +355,7 @@ def _noiseless_cells(study: PaperStudy) -> Iterator[Cell]:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PaperTable:
     """One of the paper's tables, laid out.
 

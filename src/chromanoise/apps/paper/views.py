@@ -5,13 +5,12 @@ n-dimensional vectors, and only the noise, too small to be seen, is magnified. `
 chooses the channels and the magnification of each figure.
 """
 
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from chromanoise.apps.paper.printed_numbers import RGB_59, RGBW_12, PaperStudy
-from chromanoise.base import Array, Float, InputError, eigvalsh, one_of, stream
+from chromanoise.base import Array, Float, InputError, dataclass, eigvalsh, one_of, stream
 from chromanoise.geometry import PlaneView, ellipse_outline, plane_view
 from chromanoise.noise import Measurement, sample_electrons, through
 from chromanoise.sensor import with_channels
@@ -31,7 +30,7 @@ _ENDS = np.array([[-1.0], [1.0]])
 _CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ColorAxis:
     """One color axis, projected into the plane of two channels.
 
@@ -64,7 +63,7 @@ class ColorAxis:
     color_snr_db: float | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ChannelPlane:
     """Two channels, the light and a color axis, in the true plane of the two channels.
 
@@ -118,7 +117,7 @@ class ChannelPlane:
         return self.two.sensor.names
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class MagnifiedNoise:
     """The noise of a plane, drawn ``magnification`` times larger around its mean.
 
@@ -347,7 +346,7 @@ _PAIR_NEAR_Y = ("G", "R")  # of the RGB sensor, in Figure 10
 NoisyPlane = tuple[ChannelPlane, MagnifiedNoise]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class PaperPlanes:
     """The planes of Figures 3, 4, 6, 9 and 10, each sensor at its own saturation.
 

@@ -8,7 +8,7 @@ import math
 import os
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -20,6 +20,7 @@ from chromanoise.base import (
     InputError,
     Setting,
     check,
+    dataclass,
     refuse_absent_package,
     renamed_keywords,
     stream,
@@ -54,7 +55,7 @@ class _Use(NamedTuple):
     tails: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class NoisySample:
     """A clean picture with noise, in the unit of the clean picture.
 
@@ -87,7 +88,7 @@ class NoisySample:
     camera: CameraNoise
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class NoiseSampler:
     """Adds a camera's noise to clean linear raw pictures; made by `sampler`.
 

@@ -6,13 +6,13 @@ object that uses it is made.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from chromanoise.apps.training.training_noise import NoiseSampler, Unit
-from chromanoise.base import Array, Float, InputError, check, inv, optional_package
+from chromanoise.base import Array, Float, InputError, check, dataclass, inv, optional_package
 from chromanoise.color import srgb_from_linear
 from chromanoise.imaging import FilterBank, channel_tile, demosaicked
 from chromanoise.sensor import Mosaic
@@ -22,7 +22,7 @@ _HIGHLIGHT = 0.9  # from here on a gain below 1 keeps white at white
 _RGB = ("R", "G", "B")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Rendering:
     """How a camera turns raw values into an sRGB picture, in the order of the fields.
 

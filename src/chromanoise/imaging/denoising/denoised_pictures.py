@@ -4,12 +4,12 @@ Planes are denoised in strips of rows on several threads; the result is bit-iden
 number.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, Int, inv
+from chromanoise.base import Array, Float, Float32, Int, dataclass, inv
 from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.capture import Camera, Capture, captured, frame_settings
 from chromanoise.imaging.demosaic import channel_tile
@@ -30,7 +30,7 @@ from chromanoise.spectra import Cube
 _FEWEST_ROWS = 128
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Denoising:
     """What a strip needs."""
 

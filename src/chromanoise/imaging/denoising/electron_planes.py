@@ -8,12 +8,12 @@ Anscombe transform with the sensitivity of the pixels folded in, and its exact u
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, check, eigh, is_absent
+from chromanoise.base import Array, Float, Float32, InputError, check, dataclass, eigh, is_absent
 from chromanoise.sensor import VarianceLaw
 
 SIDE = 4
@@ -21,7 +21,7 @@ SIDE = 4
 PLACES = SIDE * SIDE
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class NoisyPlanes:
     """Noisy values of every plane at every pixel, and the model of their noise.
 
@@ -222,7 +222,7 @@ Denoise = Callable[[NoisyPlanes], Float32[Array, "h w p"]]
 """From noisy planes to planes of the same shape. [e-]"""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class DenoisingMethod:
     """A denoising method: its function and its properties.
 

@@ -18,19 +18,18 @@ Lebrun, Buades & Morel, A nonlocal Bayesian image denoising algorithm, SIAM J. I
 power of a component from its estimate).
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32
+from chromanoise.base import Array, Float, Float32, dataclass
 from chromanoise.imaging.denoising.electron_planes import DenoisingMethod, NoisyPlanes
 from chromanoise.imaging.kernel_cache import either_module
 
 _NARROW, _WIDE = 1.0, 8.0  # difference of two levels that is halved, with and without structure
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Windows:
     """Windows and levels of `guided_estimate`.
 

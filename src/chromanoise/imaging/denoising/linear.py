@@ -7,12 +7,11 @@ demosaicing, for a mosaic.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache, partial
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, Num, check, eigh
+from chromanoise.base import Array, Float, Float32, InputError, Num, check, dataclass, eigh
 from chromanoise.imaging.demosaic import FilterBank, bank_of
 from chromanoise.imaging.demosaic_methods import (
     PicturePrior,
@@ -30,7 +29,7 @@ _LEAST_SNR = 1e-9  # below it a kernel is the mean of its window
 _ROUNDING = 1e-12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LinearFilter:
     """A linear method for ``p`` planes: a filter for each of ``p`` combinations of them.
 

@@ -7,13 +7,23 @@ are rejected.
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, Float32, InputError, Setting, Shaped, check
+from chromanoise.base import (
+    Array,
+    Bool,
+    Float,
+    Float32,
+    InputError,
+    Setting,
+    Shaped,
+    check,
+    dataclass,
+)
 from chromanoise.imaging.demosaic import channel_tile
 from chromanoise.imaging.demosaic_methods import chart_electrons
 from chromanoise.imaging.denoising.denoised_pictures import (
@@ -33,7 +43,7 @@ from chromanoise.noise import NoiseSources, OperatingPoint
 from chromanoise.sensor import Mosaic, VarianceLaw, shot_and_dark
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CodeNoise:
     """Scale and noise of the codes of a raw picture, in electrons.
 
@@ -243,7 +253,7 @@ _ROWS = 64  # tested together, to save memory
 _LEAST_E2 = 1e-12  # of planes without read noise, at pixels without light
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class BurstFrame:
     """Another frame of a burst.
 
@@ -263,7 +273,7 @@ class BurstFrame:
         check.positive("exposure of a frame", "1", self.exposure)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Burst:
     """Merged frames.
 
@@ -383,7 +393,7 @@ def merged_frames(
     return sums.burst()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Test:
     """Which values of a frame are used: those not saturated, where the frame agrees."""
 
@@ -485,7 +495,7 @@ _DIFFERENCE_CORRELATION = (1 + 2 * (4 / 6) ** 2 + 2 * (1 / 6) ** 2) ** 2
 """Sum of the squared autocorrelation of that difference."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class DenoisedRaw:
     """A raw picture after denoising.
 

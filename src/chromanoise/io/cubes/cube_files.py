@@ -9,13 +9,13 @@ import math
 import re
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Shaped, reason, regular_file
+from chromanoise.base import Array, Float, InputError, Shaped, dataclass, reason, regular_file
 from chromanoise.io.cubes.cube_metadata import interpreted
 from chromanoise.io.cubes.envi_cube import envi_cube
 from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS, hdf5_store, is_hdf5
@@ -328,7 +328,7 @@ def _refuse_no_file(path: Path) -> None:
         raise refused(path, f"cannot be read ({reason(error)})") from None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class CubeFormat:
     """A format of cubes; either ``store`` or ``cube`` reads it.
 

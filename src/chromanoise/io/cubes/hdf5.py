@@ -14,7 +14,6 @@ import os
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -26,6 +25,7 @@ from chromanoise.base import (
     Int64,
     Shaped,
     check,
+    dataclass,
     optional_package,
     printable,
     refuse_absent_package,
@@ -44,7 +44,7 @@ from chromanoise.spectra import RowSource
 DEFLATE, SHUFFLE = 1, 2  # HDF5 filter numbers
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Chunks:
     """An array whose chunks are uncompressed, shuffled or deflated; it supports slicing.
 

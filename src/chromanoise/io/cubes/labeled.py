@@ -8,14 +8,23 @@ metadata raises an error.
 import math
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Setting, Shaped, UInt8, optional_package, printable
+from chromanoise.base import (
+    Array,
+    InputError,
+    Setting,
+    Shaped,
+    UInt8,
+    dataclass,
+    optional_package,
+    printable,
+)
 from chromanoise.io.cubes.cube_metadata import interpreted
 from chromanoise.io.cubes.raw_cube import (
     MOST_INFLATED,
@@ -57,7 +66,7 @@ _CLAMPED = ("_fillvalue", "missing_value", "valid_range", "valid_min", "valid_ma
 Axes = tuple[int, int, int]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Labeled:
     """One stored array, without its numbers.
 
@@ -77,7 +86,7 @@ class Labeled:
     attributes: Mapping[str, Any] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Store:
     """A file of labeled arrays.
 
@@ -390,7 +399,7 @@ def _passed_over(array: Labeled) -> Notes:
     return (f"data ignore value in the file but not applied: {', '.join(named)}",) if named else ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class StoredRows:
     """Rows of one array in a file or folder of arrays.
 

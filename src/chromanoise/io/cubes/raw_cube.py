@@ -10,12 +10,11 @@ import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Setting, Shaped, reason
+from chromanoise.base import Array, InputError, Setting, Shaped, dataclass, reason
 from chromanoise.io.source_files import by, has, refuse_not_numbers, refused
 from chromanoise.spectra import FileRows, RowSource
 
@@ -100,7 +99,7 @@ Wavelengths = Callable[[], tuple[Array, Notes]]
 """Reads the centers of the bands, with notes. [nm]"""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Found:
     """The content of a file; wavelengths and scale are read only if the caller gives none."""
 

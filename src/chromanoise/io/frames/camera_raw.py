@@ -6,14 +6,21 @@ runs in a child process with limits on time and memory, because a damaged file m
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeGuard
 
 import numpy as np
 
-from chromanoise.base import Array, Integer, UInt16, json_of, refuse_absent_package, sandbox
+from chromanoise.base import (
+    Array,
+    Integer,
+    UInt16,
+    dataclass,
+    json_of,
+    refuse_absent_package,
+    sandbox,
+)
 from chromanoise.io.cubes.raw_cube import (
     reading,
     reading_rows,
@@ -300,7 +307,7 @@ def raw_frames(path: Path) -> tuple[RawFrame, ...]:
     return (RawFrame(path=path, shape=shape, read=read, **metadata),)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class _Raw:
     """Unpacks the visible pixels in the child process."""
 

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path, PureWindowsPath
 
-from chromanoise.base import InputError, printable
+from chromanoise.base import InputError, dataclass, printable
 from chromanoise.io.frames.frame import (
     MOST_LEVELS,
     FrameLevel,
@@ -25,7 +25,7 @@ _MOST_FILES = 100_000
 _COMMANDS = {"v": 2, "n": 4, "b": 3, "d": 2, "i": 2}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class _Series:
     """Frames of one exposure; ``photons`` is ``None`` for darks."""
 

@@ -7,13 +7,13 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Integer, Shaped
+from chromanoise.base import Array, InputError, Integer, Shaped, dataclass
 from chromanoise.io.source_files import by, has, refused
 from chromanoise.sensor import Mosaic
 
@@ -25,7 +25,7 @@ _BLOCK_PIXELS = 4_000_000
 _LARGEST = 2**31 - 1
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class StoredPlane:
     """Reads an uncompressed frame from its place in a file.
 
@@ -197,7 +197,7 @@ def whole_codes(name: str, values: Shaped[Array, "h w"]) -> Integer[Array, "h w"
     return values.astype(np.uint16 if low >= 0 and high <= 65535 else np.int32)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RawFrame:
     """One raw frame of a file; its codes are read when they are needed.
 
@@ -292,7 +292,7 @@ class RawFrame:
         yield from (codes[i : i + rows] for i in range(0, self.shape[0], rows))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class FrameLevel:
     """Frames of one scene, exposure and light.
 
@@ -339,7 +339,7 @@ class FrameLevel:
         return replace(self, flats=flats, darks=darks)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class FrameSet:
     """All frames of a photon transfer measurement.
 

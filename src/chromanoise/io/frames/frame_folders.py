@@ -10,10 +10,10 @@ import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
-from chromanoise.base import InputError, regular_file, true_path
+from chromanoise.base import InputError, dataclass, regular_file, true_path
 from chromanoise.io.frames.capture_conditions import CAPTURE, read_capture
 from chromanoise.io.frames.descriptor import is_descriptor, read_descriptor
 from chromanoise.io.frames.frame import (
@@ -47,7 +47,7 @@ _LEVEL_WORD = re.compile(r"(?<![A-Za-z])(?:level|lvl|lv|l|step|stop|ev)[-_ ]?\d+
 _WORD = re.compile(r"[A-Za-zµ]+")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class _Named:
     """A frame and what its name states.
 

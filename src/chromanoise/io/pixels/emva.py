@@ -8,12 +8,11 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from math import sqrt
 from pathlib import Path
 
-from chromanoise.base import InputError, check, json_of
+from chromanoise.base import InputError, check, dataclass, json_of
 from chromanoise.io.pixels.pixel_toml import errors_in_file, finite_number, source_text
 from chromanoise.io.source_files import refused, xml_root
 from chromanoise.sensor import PIXEL_FILES, ROUNDING_DN2, Adc, PixelSource
@@ -161,7 +160,7 @@ _LINE = re.compile(
 _UNSIGNED_LINE = re.compile(r"(?P<name>.*[^\s:=])\s+[-+]?[\d.]+([eE][-+]?\d+)?\s*(?P<unit>\S+)")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Value:
     """One number of the sheet, with its name, unit and place (line and name) in the sheet."""
 

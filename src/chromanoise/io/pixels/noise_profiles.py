@@ -10,13 +10,12 @@ another source it gives the read noise. The profile cannot give the full well.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, check, json_of
+from chromanoise.base import Array, Float, InputError, Setting, check, dataclass, json_of
 from chromanoise.io.pixels.pixel_toml import errors_in_file, finite_number, source_text
 from chromanoise.io.source_files import refused
 from chromanoise.sensor import Adc, PixelSource, pixel_from_noise_profile, pixel_without_levels
@@ -140,7 +139,7 @@ def _numbers(value: object, key: str, path: Path) -> list[float]:
 _GREEN = 1  # the channel that a white balance does not change
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RelativeNoise:
     """One profile of darktable: variance = a x + b, with x = 1 at the largest code.
 

@@ -7,14 +7,13 @@ its usual names; where there are several, the one that applies is chosen.
 
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Setting, printable
+from chromanoise.base import Array, Float, Setting, dataclass, printable
 from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.parsed import SENSITIVE_NM, Quantity, Scale, Unit
 
@@ -290,7 +289,7 @@ _MOST_WAVELENGTHS = 100_000
 _SAME = 1e-5  # single precision and rounded units
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Listed:
     """A list in a file that may hold the wavelengths, not yet read.
 

@@ -8,11 +8,11 @@ the number of points and the check values of a file with its declarations.
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
-from chromanoise.base import Array, InputError
+from chromanoise.base import Array, InputError, dataclass
 from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.cell_tables import finite_number
 from chromanoise.io.spectra.declared import known_unit
@@ -41,7 +41,7 @@ _COMMA = re.compile(r"(?:[+-]?\d+,\d+,\s+[+-]?\d+(?:,\d+)?\s*)+")
 _MOST_POINTS = 1_000_000
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Table:
     """One table of a block, with the declarations that apply to it."""
 

@@ -5,12 +5,12 @@ versions of the schemas raise an error.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, check, json_of
+from chromanoise.base import Array, Float, InputError, Setting, check, dataclass, json_of
 from chromanoise.io.source_files import has, refused
 from chromanoise.spectra import Beyond, Spectra
 
@@ -28,7 +28,7 @@ SENSITIVE_NM = (400.0, 1050.0)
 """Wavelengths to which silicon is sensitive, and at which curves are judged. [nm]"""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Answers:
     """Metadata that the user supplies for a file; None uses that of the file.
 
@@ -80,7 +80,7 @@ ASK = Answers()
 """No answers: missing metadata becomes a question."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Question:
     """Missing metadata, which neither the file nor its user has given.
 
@@ -99,7 +99,7 @@ class Question:
     settings: tuple[Setting, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Row:
     """The cells of one row, and its line in the file."""
 
@@ -107,7 +107,7 @@ class Row:
     cells: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Column:
     """One curve as stored in the file, in the units and order of the file.
 
@@ -159,7 +159,7 @@ def missing_notes(
     return tuple(notes)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Described:
     """What a file is, as its reader found it and as its curves are interpreted.
 
@@ -190,7 +190,7 @@ class _Described:
     said_notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Found(_Described):
     """The content of a file, before units and quantities are interpreted.
 
@@ -220,7 +220,7 @@ class Found(_Described):
     named: bool = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ParsedSpectra(_Described):
     """Curves with their metadata, notes on processing, and open questions.
 
@@ -270,7 +270,7 @@ _WIDE, _WIDE_NM = 2.5, 5.0
 _MOST_VALUES = 4_000_000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sorted:
     """One curve at increasing wavelengths.
 

@@ -2,10 +2,11 @@
 
 import csv
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 
+from chromanoise.base import dataclass
 from chromanoise.spectra.curves import Spectra
 from chromanoise.spectra.provenance import Provenance, formula_provenances, table_provenances
 from chromanoise.spectra.readers import spectra_from_text
@@ -87,7 +88,7 @@ def catalog_curves(provenance: Provenance) -> Spectra:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class CameraFacts:
     """What is known of a camera beside its curves.
 
