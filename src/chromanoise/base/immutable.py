@@ -16,7 +16,7 @@ if not TYPE_CHECKING:
         _standard(cls, init=False, repr=False, eq=False, frozen=frozen_base, kw_only=kw_only)
         cls.__dataclass_params__.frozen = frozen
         for one in fields(cls):
-            if one.default is not MISSING and vars(cls).get(one.name, MISSING) is one.default:
+            if one.init and vars(cls).get(one.name, cls) is one.default:
                 delattr(cls, one.name)
         shared = {"__init__": _init, "__signature__": _LazySignature()}
         if repr:
@@ -36,13 +36,13 @@ class _Declared:
     """What `_init` needs of a class, found when its first instance is made."""
 
     def __get__(self, one: Any, cls: Any) -> tuple[Any, ...]:
-        known = fields(cls)
+        known = [one for one in fields(cls) if one.init]
         cls._declared = (
-            [one.name for one in known if one.init and not one.kw_only],
             {one.name for one in known},
-            {one.name for one in known if one.init},
             {one.name: one.default for one in known if one.default is not MISSING},
             {one.name: made for one in known if (made := one.default_factory) is not MISSING},
+            [one.name for one in known if not one.kw_only],
+            {one.name for one in fields(cls) if not one.compare},
         )
         found: tuple[Any, ...] = cls._declared
         return found
@@ -75,24 +75,40 @@ def _shown_default(one: Any) -> Any:
 
 
 def _init(self: Any, *args: Any, **given: Any) -> None:
-    positional, names, accepted, defaults, factories = type(self)._declared
-    if args or given.keys() != names:
-        where = f"{type(self).__qualname__}.__init__()"
-        if len(args) > len(positional):
-            raise TypeError(f"{where} takes at most {len(positional)} positional arguments")
-        for name, value in zip(positional, args, strict=False):
-            if name in given:
-                raise TypeError(f"{where} got multiple values for argument {name!r}")
-            given[name] = value
-        if wrong := given.keys() - accepted:
-            raise TypeError(f"{where} got an unexpected keyword argument {min(wrong)!r}")
-        given |= {name: one for name, one in defaults.items() if name not in given}
-        given |= {name: made() for name, made in factories.items() if name not in given}
-        if missing := accepted - given.keys():
-            raise TypeError(f"{where} missing required arguments: {', '.join(sorted(missing))}")
+    names, defaults, *_ = type(self)._declared
+    if args:
+        given = _with_positional(type(self), args, given)
+    if given.keys() != names:
+        given = defaults | given
+        if given.keys() != names:
+            given = _with_made(type(self), given)
     self.__dict__.update(given)
     if check := getattr(self, "__post_init__", None):
         check()
+
+
+def _with_positional(cls: Any, args: tuple[Any, ...], given: dict[str, Any]) -> dict[str, Any]:
+    _, _, _, positional, _ = cls._declared
+    if len(args) > len(positional):
+        raise _wrong_arguments(cls, f"takes at most {len(positional)} positional arguments")
+    found = dict(zip(positional, args, strict=False))
+    if twice := found.keys() & given.keys():
+        raise _wrong_arguments(cls, f"got multiple values for argument {min(twice)!r}")
+    return found | given
+
+
+def _with_made(cls: Any, given: dict[str, Any]) -> dict[str, Any]:
+    """With the defaults that functions make; all others are there."""
+    names, _, factories, *_ = cls._declared
+    if unknown := given.keys() - names:
+        raise _wrong_arguments(cls, f"got an unexpected keyword argument {min(unknown)!r}")
+    if missing := names - factories.keys() - given.keys():
+        raise _wrong_arguments(cls, f"lacks arguments: {', '.join(sorted(missing))}")
+    return {name: made() for name, made in factories.items()} | given
+
+
+def _wrong_arguments(cls: Any, what: str) -> TypeError:
+    return TypeError(f"{cls.__qualname__}.__init__() {what}")
 
 
 def _repr(self: Any) -> str:
@@ -100,8 +116,10 @@ def _repr(self: Any) -> str:
     return f"{type(self).__qualname__}({', '.join(shown)})"
 
 
-def _compared(one: Any) -> tuple[Any, ...]:
-    return tuple(getattr(one, field.name) for field in fields(one) if field.compare)
+def _compared(one: Any) -> dict[str, Any]:
+    left_out = type(one)._declared[-1]
+    values: dict[str, Any] = one.__dict__
+    return {k: v for k, v in values.items() if k not in left_out} if left_out else values
 
 
 def _equal(self: Any, other: object) -> Any:
@@ -109,7 +127,8 @@ def _equal(self: Any, other: object) -> Any:
 
 
 def _hash(self: Any) -> int:
-    return hash(_compared(self))
+    values = _compared(self)
+    return hash(tuple(values[one.name] for one in fields(self) if one.compare))
 
 
 def _refuse(self: Any, name: str, *value: Any) -> NoReturn:

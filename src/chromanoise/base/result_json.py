@@ -115,6 +115,8 @@ def plain(value: Any, *keys: JsonKey | str) -> Any:
 
 def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
     if isinstance(value, np.ndarray | np.generic):
+        if value.dtype.kind in "biu" or (value.dtype.kind == "f" and np.isfinite(value).all()):
+            return value.tolist()
         value = value.tolist()
     if isinstance(value, Mapping):
         return {name: _written(one, keys, owners) for name, one in value.items()}
@@ -207,7 +209,10 @@ def _rows(owners: tuple[Any, ...], keys: JsonKeys) -> list[dict[str, Any]]:
 
 
 def _key(key: JsonKey | str) -> JsonKey:
-    return JsonKey(key) if isinstance(key, str) else key
+    return _of_name(key) if isinstance(key, str) else key
+
+
+_of_name = cache(JsonKey)
 
 
 def _value(key: JsonKey, owners: tuple[Any, ...]) -> Any:

@@ -1,0 +1,128 @@
+"""Dataclasses of chromanoise behave as those of the standard library, which is the oracle here."""
+
+import copy
+import dataclasses
+import inspect
+import pickle
+from dataclasses import KW_ONLY, FrozenInstanceError, field, fields, replace
+
+import pytest
+from hypothesis import given, strategies as st
+
+from chromanoise.base import dataclass
+
+KINDS = {
+    "keywords": {"frozen": True, "kw_only": True},
+    "positional": {"frozen": True},
+    "identity": {"frozen": True, "eq": False},
+    "mutable": {},
+    "quiet": {"frozen": True, "repr": False},
+}
+CALLS = st.tuples(
+    st.lists(st.integers(0, 3), max_size=4),
+    st.dictionaries(st.sampled_from("abcdx"), st.integers(0, 3), max_size=4),
+)
+
+
+def both(kind):
+    """The same class made here and by the standard library."""
+
+    def made(decorator):
+        @decorator(**KINDS[kind])
+        class Point:
+            a: int
+            b: int = 2
+            _: KW_ONLY
+            c: list = field(default_factory=list, compare=False)
+            d: int = field(default=1, repr=False)
+
+            def __post_init__(self):
+                if self.a == 3:
+                    raise ValueError("3")
+
+        return Point
+
+    return made(dataclass), made(dataclasses.dataclass)
+
+
+def outcome(make, *args, **named):
+    try:
+        return make(*args, **named)
+    except (TypeError, ValueError) as error:
+        return type(error)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@given(one=CALLS, other=CALLS)
+def test_it_is_made_shown_compared_and_hashed_as_a_standard_one(kind, one, other):
+    ours, standard = (
+        [outcome(lambda c=c: c(*a, **k)) for a, k in (one, other)] for c in both(kind)
+    )
+    for found, expected in zip(ours, standard, strict=True):
+        if isinstance(expected, type):
+            assert found is expected
+            continue
+        assert dataclasses.asdict(found) == dataclasses.asdict(expected)
+        if kind != "quiet":
+            assert repr(found) == repr(expected)
+        assert replace(found, a=0, c=[1]).c == [1]
+    if not any(isinstance(one, type) for one in standard):
+        assert (ours[0] == ours[1]) == (standard[0] == standard[1])
+        if kind not in ("mutable", "identity"):
+            assert (hash(ours[0]) == hash(ours[1])) == (hash(standard[0]) == hash(standard[1]))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_its_class_looks_as_a_standard_one(kind):
+    ours, standard = both(kind)
+    assert inspect.signature(ours) == inspect.signature(standard).replace(
+        return_annotation=inspect.Signature.empty,
+        parameters=[
+            one.replace(default=[]) if one.name == "c" else one
+            for one in inspect.signature(standard).parameters.values()
+        ],
+    )
+    assert [one.name for one in fields(ours)] == [one.name for one in fields(standard)]
+    assert (ours.__hash__ is None) == (standard.__hash__ is None)
+
+
+def test_only_a_frozen_one_refuses_new_values():
+    frozen, mutable = both("positional")[0](1), both("mutable")[0](1)
+    for change in (lambda: setattr(frozen, "a", 2), lambda: delattr(frozen, "a")):
+        with pytest.raises(FrozenInstanceError):
+            change()
+    mutable.a = 2
+    assert (frozen.a, mutable.a) == (1, 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Base:
+    """A class that other classes extend."""
+
+    size: int = 1
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Standard(Base):
+    """Of a user, with the standard decorator."""
+
+    length: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Own(Base):
+    """Of this library."""
+
+    length: int
+
+
+@pytest.mark.parametrize("kind", [Standard, Own])
+def test_a_class_extends_it_and_its_values_are_copied_and_pickled(kind):
+    one = kind(length=2)
+    assert (one.size, one.length) == (1, 2)
+    for again in (copy.deepcopy(one), pickle.loads(pickle.dumps(one)), replace(one)):
+        assert again == one
+    with pytest.raises(FrozenInstanceError):
+        one.length = 3
+    with pytest.raises(TypeError, match="length"):
+        kind(size=2)
