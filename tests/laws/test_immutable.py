@@ -56,7 +56,7 @@ def outcome(make, *args, **named):
 @given(one=CALLS, other=CALLS)
 def test_it_is_made_shown_compared_and_hashed_as_a_standard_one(kind, one, other):
     ours, standard = (
-        [outcome(cls, *args, **named) for args, named in (one, other)] for c in both(kind)
+        [outcome(cls, *args, **named) for args, named in (one, other)] for cls in both(kind)
     )
     for found, expected in zip(ours, standard, strict=True):
         if isinstance(expected, type):
