@@ -660,13 +660,8 @@ def _by_plane(
             value=channels,
             found=f"has {', '.join(channels)}",
         )
-    if matrix.ndim != 2 or matrix.shape[1] != len(channels):
-        raise InputError(
-            "matrix",
-            f"must have one column for each of {', '.join(channels)}",
-            value=matrix.shape,
-            found=f"has shape {matrix.shape}",
-        )
+    fits = matrix.ndim == 2 and matrix.shape[1] == len(channels)
+    check.shape("matrix", matrix, fits, f"must have one column for each of {', '.join(channels)}")
     columns = [channels.index(name) for name in of_plane]
     counts = np.array([of_plane.count(name) for name in of_plane])
     return np.asarray(matrix[:, columns] / counts)

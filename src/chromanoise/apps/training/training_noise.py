@@ -612,20 +612,14 @@ def _picture(clean: Array, camera: CameraNoise) -> Array:
     else:
         allowed = given.ndim == 2 or (given.ndim == 3 and given.shape[2] == planes)
         shapes = f"(h, w) or (h, w, {planes})"
-    if not allowed or min(given.shape) < 1:
-        raise InputError(
-            "clean",
-            f"must have the shape {shapes} of a camera with channels {', '.join(camera.names)}",
-            value=given.shape,
-            found=f"has shape {given.shape}",
-        )
-    if given.shape[0] >= _MOST_ROWS or given[:1].size >> _LANE_BITS:
-        raise InputError(
-            "clean",
-            f"must have fewer than 2^24 rows and 2^{_LANE_BITS} values in a row",
-            value=given.shape,
-            found=f"has shape {given.shape}",
-        )
+    names = ", ".join(camera.names)
+    whole = allowed and min(given.shape) > 0
+    check.shape(
+        "clean", given, whole, f"must have the shape {shapes} of a camera with channels {names}"
+    )
+    fits = given.shape[0] < _MOST_ROWS and not given[:1].size >> _LANE_BITS
+    most = f"must have fewer than 2^24 rows and 2^{_LANE_BITS} values in a row"
+    check.shape("clean", given, fits, most)
     return given
 
 

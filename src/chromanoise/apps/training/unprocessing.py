@@ -63,13 +63,7 @@ class Rendering:
             check.within(name, "1", getattr(self, name), 1e-3, 1e3)
         if self.camera_to_srgb is not None:
             matrix = check.finite("camera_to_srgb", "1", self.camera_to_srgb)
-            if matrix.shape != (3, 3):
-                raise InputError(
-                    "camera_to_srgb",
-                    "must be 3 x 3",
-                    value=matrix.shape,
-                    found=f"has shape {matrix.shape}",
-                )
+            check.shape("camera_to_srgb", matrix, matrix.shape == (3, 3), "must be 3 x 3")
             inv("camera_to_srgb", matrix)
             object.__setattr__(self, "camera_to_srgb", check.frozen(matrix))
 
@@ -142,13 +136,7 @@ def unprocess(
     array([[[0.107, 0.214, 0.214]]])
     """
     picture = check.fraction("srgb", "1", srgb)
-    if picture.ndim != 3 or picture.shape[2] != 3:
-        raise InputError(
-            "srgb",
-            "must be (rows, columns, 3)",
-            value=picture.shape,
-            found=f"has shape {picture.shape}",
-        )
+    check.shape("srgb", picture, _has_three_channels(picture), "must be (rows, columns, 3)")
     if rendering.tone_curve:
         picture = 0.5 - np.sin(np.arcsin(1.0 - 2.0 * picture) / 3.0)
     if rendering.srgb_curve:
@@ -209,13 +197,8 @@ def process(
                 remedy='use bilinear_filters(bayer(), ("R", "G", "B"))',
             )
         picture = demosaicked(picture, demosaicing)
-    if picture.ndim != 3 or picture.shape[2] != 3:
-        raise InputError(
-            "raw",
-            "must be (rows, columns) or (rows, columns, 3)",
-            value=picture.shape,
-            found=f"has shape {picture.shape}",
-        )
+    shapes = "must be (rows, columns) or (rows, columns, 3)"
+    check.shape("raw", picture, _has_three_channels(picture), shapes)
     picture = picture * _gains(rendering)
     if rendering.camera_to_srgb is not None:
         picture = picture @ rendering.camera_to_srgb.T
@@ -290,6 +273,10 @@ def mosaicked(picture: Float[Array, "h w 3"], mosaic: Mosaic) -> Float[Array, "h
     columns = np.arange(width)[None, :] % tile.shape[1]
     chosen = tile[rows, columns]
     return np.take_along_axis(picture, chosen[..., None], axis=2)[..., 0]
+
+
+def _has_three_channels(picture: Array) -> bool:
+    return picture.ndim == 3 and picture.shape[2] == 3
 
 
 def _gains(rendering: Rendering) -> Array:
