@@ -27,7 +27,6 @@ from chromanoise.apps.paper.printed_numbers import (
     PaperStudy,
 )
 from chromanoise.base import __version__, dataclass
-from chromanoise.io import Column, Entry, Table
 from chromanoise.metrics import (
     CORRELATION,
     INFRARED,
@@ -412,30 +411,6 @@ def _laid_out(number: int, title: str, cells: tuple[Cell, ...]) -> PaperTable:
         columns=columns,
         rows=tuple((row, tuple(by_place.get((row, c)) for c in columns)) for row in rows),
     )
-
-
-def paper_as_table(table: PaperTable) -> Table:
-    """One of the paper's tables: printed, closed form, Monte Carlo and its error per column."""
-    columns = [Column(name="row"), Column(name="unit")]
-    for name in table.columns:
-        columns += [
-            Column(name=f"{name} printed", digits=".2f"),
-            Column(name=f"{name} closed form", digits=".2f"),
-            Column(name=f"{name} Monte Carlo", digits=".2f"),
-            Column(name=f"{name} error", digits=".2g"),
-        ]
-    rows = []
-    for name, cells in table.rows:
-        units = [cell.unit for cell in cells if cell is not None]
-        row: list[Entry] = [name, units[0] if units else ""]
-        for cell in cells:
-            row += (
-                [cell.paper, cell.closed_form, cell.monte_carlo, cell.monte_carlo_se]
-                if cell is not None
-                else [None] * 4
-            )
-        rows.append(tuple(row))
-    return Table(title=table.title, columns=tuple(columns), rows=tuple(rows))
 
 
 def reproduction_as_json(result: Reproduction) -> dict[str, Any]:
