@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.apps.denoising_benchmark.cells import benchmark_camera, denoising_benchmark
+from chromanoise.apps.denoising_benchmark.benchmark import benchmark_camera, denoising_benchmark
 from chromanoise.base.check import Array
 from chromanoise.imaging import noisy_electrons
 from chromanoise.imaging.denoising import DENOISING, denoised_electrons

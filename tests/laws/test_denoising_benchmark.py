@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 
 from chromanoise.apps.denoising_benchmark.benchmark import (
+    benchmark_camera,
     benchmark_cells,
     benchmark_scene,
+    denoising_benchmark,
     markdown_table,
     verdict,
 )
-from chromanoise.apps.denoising_benchmark.cells import benchmark_camera, denoising_benchmark
 from chromanoise.imaging import Work
 from chromanoise.sensor import Crosstalk, with_crosstalk, with_pixel
 from chromanoise.spectra import flat_cube

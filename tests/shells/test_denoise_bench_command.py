@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from chromanoise.apps.denoising_benchmark.cells import denoising_benchmark
+from chromanoise.apps.denoising_benchmark.benchmark import denoising_benchmark
 from chromanoise.base.files import OWN_FILES
 from chromanoise.web import write_denoising_report
 from outcomes import refused, refused_input

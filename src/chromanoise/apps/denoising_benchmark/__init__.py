@@ -6,6 +6,9 @@ from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.apps.denoising_benchmark.benchmark import (
+        BENCHMARK_CAMERAS,
+        BENCHMARK_LEVELS_LUX,
+        BENCHMARK_SCENES,
         PIXELS_PER_DEGREE,
         BenchmarkCamera as BenchmarkCamera,
         BenchmarkCell as BenchmarkCell,
@@ -15,15 +18,10 @@ if TYPE_CHECKING:
         Verdict as Verdict,
         benchmark_cells as benchmark_cells,
         benchmark_scene as benchmark_scene,
+        denoising_benchmark,
         markdown_table as markdown_table,
         verdict as verdict,
         verdict_sentences as verdict_sentences,
-    )
-    from chromanoise.apps.denoising_benchmark.cells import (
-        BENCHMARK_CAMERAS,
-        BENCHMARK_LEVELS_LUX,
-        BENCHMARK_SCENES,
-        denoising_benchmark,
     )
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -1,22 +1,30 @@
 """The benchmark of denoising: scenes, cameras, cells of results, verdict and table.
 
 A scene is a part of a cube with its edges and flat regions; a cell is one scene, camera, light
-level and method.
+level and method. By default the cameras, scenes and light levels are those of the paper.
 """
 
 import time
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, field, replace
-from functools import cache
+from functools import cache, partial
+from itertools import product
 from math import inf, isfinite
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, Integer, UInt8, dataclass
-from chromanoise.color import ColorMatrix, adapted_to_d65, cielab, scene_xyz, srgb_from_xyz
+from chromanoise.base import Array, Float, Float32, InputError, Integer, Setting, UInt8, dataclass
+from chromanoise.color import (
+    ColorMatrix,
+    adapted_to_d65,
+    cielab,
+    kernel_matrix,
+    scene_xyz,
+    srgb_from_xyz,
+)
 from chromanoise.imaging import (
     ALL_CORES,
     DEMOSAICING,
@@ -25,6 +33,7 @@ from chromanoise.imaging import (
     demosaicked,
     draw_of,
     electrons_of_cube,
+    mosaic_of,
     noisy_electrons,
     white_lux_of,
 )
@@ -46,20 +55,31 @@ from chromanoise.metrics import (
     picture_quality,
     slanted_edge_response,
 )
-from chromanoise.noise import OperatingPoint, after_counting, noise_sources, white_scene
-from chromanoise.sensor import ALL, Drawn, Mosaic, VarianceLaw
+from chromanoise.noise import (
+    Exposure,
+    OperatingPoint,
+    after_counting,
+    noise_sources,
+    time_to_saturation,
+    white_scene,
+)
+from chromanoise.sensor import ALL, Drawn, Mosaic, Sensor, VarianceLaw, mosaic_named
 from chromanoise.spectra import (
+    DEFAULT_GRID,
     PATCH_PX,
     SLANTED_EDGES,
     Cube,
     Region,
     Scene,
     builtin_cube,
+    equal_energy,
+    flat_field,
     interpolation_matrix,
     patch_corners,
     reflectance_rows,
     row_source,
 )
+from chromanoise.study import sensor_named
 
 LEAST_CROP_PX = 24
 """Least side of a scene: 4 x 4 mosaics have planes of a quarter of it. [px]"""
@@ -162,6 +182,22 @@ _FLATS: Mapping[str, tuple[Region, ...]] = {
 }
 
 
+BENCHMARK_CAMERAS = (
+    "onyx-rgbw",
+    "onyx-rgb-ircut",
+    "model-rgbir",
+    "onyx-rgb-ircut:bayer",
+)
+"""Sensors, with all channels at every pixel or, after a colon, behind a mosaic."""
+BENCHMARK_SCENES = (
+    "builtin:checker",
+    "builtin:dead-leaves",
+    "builtin:slanted-edges",
+    "builtin:foliage",
+)
+BENCHMARK_LEVELS_LUX = (100.0, 10.0, 1.0, 0.1)
+
+_F_NUMBER, _SHARE, _LEVEL_LUX = 1.8, 0.99, 10.0  # the paper's
 PIXELS_PER_DEGREE = 60.0
 """Viewing condition of S-CIELAB: a pixel per minute of arc. [1/deg]"""
 
@@ -191,6 +227,71 @@ class BenchmarkCamera:
     matrix: ColorMatrix
     mosaic: Mosaic | None = None
     demosaic: str = "bilinear"
+
+
+def benchmark_camera(name: str, *, level_lux: float, demosaic: str = "bilinear") -> BenchmarkCamera:
+    """A camera of the benchmark at a light level.
+
+    Parameters
+    ----------
+    name
+        A sensor of the catalog, or a sensor, a colon and a mosaic (`BENCHMARK_CAMERAS`).
+    level_lux
+        Illuminance on the scene, of illuminant E. [lx]
+    demosaic
+        A name of `chromanoise.imaging.DEMOSAICING`, for a mosaic.
+
+    Raises
+    ------
+    InputError
+        If there is no such sensor or mosaic, or the level is not positive.
+
+    Notes
+    -----
+    The paper's exposure and matrix (kernel, eq. 6): f/1.8 and the time at which onyx-rgbw reaches
+    99 % of full well on a perfect white at 10 lx, 11.94 ms, for all cameras and levels up to 10 lx.
+    Above 10 lx it is the longest time at which nothing saturates, so that 100 lx gives as many
+    electrons as 10 lx.
+    """
+    sensor_name, colon, mosaic = name.partition(":")
+    light = equal_energy(DEFAULT_GRID)
+    brightest = flat_field(light, level_lux=max(level_lux, _LEVEL_LUX))
+    time_s = time_to_saturation(
+        brightest, sensor_named("onyx-rgbw"), f_number=_F_NUMBER, share=_SHARE
+    )
+    sensor, exposure = _complete(sensor_name), Exposure(time_s=time_s, f_number=_F_NUMBER)
+    point = OperatingPoint(sensor=sensor, exposure=exposure, illuminant=light, level_lux=level_lux)
+    own = None if not colon or mosaic == "sensor" else mosaic_named(mosaic)
+    return BenchmarkCamera(
+        name=name,
+        point=point,
+        matrix=kernel_matrix(sensor, exposure),
+        mosaic=mosaic_of(point, own) if colon else None,
+        demosaic=demosaic,
+    )
+
+
+def _complete(name: str) -> Sensor:
+    """A sensor of the catalog that needs no setting beside its name.
+
+    Raises
+    ------
+    InputError
+        If there is none with this name, or it needs another setting.
+    """
+    try:
+        return sensor_named(name)
+    except InputError as error:
+        needed = [one.name for one in error.remedy if isinstance(one, Setting)]
+        if not needed:
+            raise
+        raise InputError(
+            f"sensor {name}",
+            "must be known by its name alone in the benchmark",
+            value=name,
+            found=f"needs {', '.join(needed)}",
+            remedy=f"take another sensor, e.g. {', '.join(BENCHMARK_CAMERAS[:3])}",
+        ) from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -390,10 +491,10 @@ def _denoised(
     """All channels at every pixel after denoising, and the time of the method. [e-], [s]"""
     if camera.mosaic is None:
         return _timed(planes_of_electrons(noisy_e, camera.point), method, work)
-    tile = channel_tile(camera.mosaic, camera.point.sensor.names)
-    raw = _behind(tile, noisy_e)
+    raw = _behind(camera.mosaic, noisy_e, camera)
     planes, seconds = _timed(planes_of_mosaic(raw, camera.point, camera.mosaic), method, work)
-    return _all_channels(unpacked(planes, tile.shape, raw.shape), camera), seconds
+    denoised = unpacked(planes, camera.mosaic.shape, raw.shape)
+    return _all_channels(camera.mosaic, denoised, camera), seconds
 
 
 def _timed(
@@ -421,16 +522,20 @@ def _compile(method: str, planes: int) -> None:
     )
 
 
-def _behind(tile: Array, values: Float[Array, "h w p"]) -> Float32[Array, "h w"]:
+def _behind(
+    mosaic: Mosaic, values: Float[Array, "h w p"], camera: BenchmarkCamera
+) -> Float32[Array, "h w"]:
     """The one channel over each pixel."""
+    tile = channel_tile(mosaic, camera.point.sensor.names)
     height, width, _ = values.shape
     rows, columns = np.arange(height)[:, None], np.arange(width)
     return values[rows, columns, tile[rows % tile.shape[0], columns % tile.shape[1]]]
 
 
-def _all_channels(raw_e: Float[Array, "h w"], camera: BenchmarkCamera) -> Float[Array, "h w p"]:
-    assert camera.mosaic is not None
-    return demosaicked(raw_e, DEMOSAICING[camera.demosaic](camera.mosaic, camera.point))
+def _all_channels(
+    mosaic: Mosaic, raw_e: Float[Array, "h w"], camera: BenchmarkCamera
+) -> Float[Array, "h w p"]:
+    return demosaicked(raw_e, DEMOSAICING[camera.demosaic](mosaic, camera.point))
 
 
 class _Comparison:
@@ -446,8 +551,8 @@ class _Comparison:
         self._reference = mean_e @ self._to_xyz.T
         self._demosaicked = None
         if camera.mosaic is not None:
-            tile = channel_tile(camera.mosaic, camera.point.sensor.names)
-            self._demosaicked = _all_channels(_behind(tile, mean_e), camera) @ self._to_xyz.T
+            raw_e = _behind(camera.mosaic, mean_e, camera)
+            self._demosaicked = _all_channels(camera.mosaic, raw_e, camera) @ self._to_xyz.T
         self._truth = _true_colors(scene.cube, camera)
 
     def cell(
@@ -540,6 +645,81 @@ def _true_colors(cube: Cube, camera: BenchmarkCamera) -> Float[Array, "h w 3"]:
     of_bands = scene_xyz(bands, observer=observer)
     white = scene_xyz(white_scene(point), observer=observer)
     return reflectance_rows(cube, 0, cube.stored.shape[0]) @ of_bands / white
+
+
+def denoising_benchmark(
+    scenes: Sequence[str | BenchmarkScene] = BENCHMARK_SCENES,
+    cameras: Sequence[str] = BENCHMARK_CAMERAS,
+    levels_lux: Sequence[float] = BENCHMARK_LEVELS_LUX,
+    methods: Sequence[str] | None = None,
+    *,
+    seeds: Sequence[int] = (0,),
+    crop_px: int | None = None,
+    demosaic: str = "bilinear",
+    work: Work = ALL_CORES,
+    progress: Callable[[int], None] | None = None,
+) -> tuple[BenchmarkCell, ...]:
+    """All cells of the benchmark: scenes, cameras, light levels, methods and seeds.
+
+    Parameters
+    ----------
+    scenes
+        Names of built-in cubes, or scenes by `benchmark_scene`.
+    cameras
+        As `benchmark_camera`.
+    levels_lux
+        Illuminances of illuminant E. [lx]
+    methods
+        Names of `chromanoise.imaging.denoising.DENOISING`; all by default.
+    seeds
+        Each is another draw of the noise, and another cell.
+    crop_px
+        Side of the part of a scene that is given by name. [px]
+    demosaic
+        As `benchmark_camera`.
+    work
+        Threads of the methods, or an executor, e.g. `concurrent.futures.ProcessPoolExecutor`, to
+        which pictures are sent; each worker runs a method on one thread. The cells are the same
+        for any setting, except for the measured times.
+    progress
+        Called with the number of cells that were completed.
+
+    Raises
+    ------
+    InputError
+        As `benchmark_scene`, `benchmark_camera` and
+        `benchmark_cells`; names are checked before the computation.
+    """
+    chosen = tuple(denoising_named(name).name for name in (methods or DENOISING))
+    shown = [
+        benchmark_scene(scene, crop_px=crop_px) if isinstance(scene, str) else scene
+        for scene in scenes
+    ]
+    made = [
+        benchmark_camera(name, level_lux=lux, demosaic=demosaic)
+        for name, lux in product(cameras, levels_lux)
+    ]
+    each = work if work.executor is None else replace(work, executor=None, threads=1, progress=None)
+    run = partial(_cells, methods=chosen, work=each)
+    tasks = zip(*product(shown, made, seeds), strict=True)
+    results = (map if work.executor is None else work.executor.map)(run, *tasks)
+    cells: list[BenchmarkCell] = []
+    for some in results:
+        cells += some
+        if progress:
+            progress(len(some))
+    return tuple(cells)
+
+
+def _cells(
+    scene: BenchmarkScene,
+    camera: BenchmarkCamera,
+    seed: int,
+    *,
+    methods: tuple[str, ...],
+    work: Work,
+) -> tuple[BenchmarkCell, ...]:
+    return benchmark_cells(scene, camera, methods, seed=seed, work=work)
 
 
 # ---- verdict and table ----
