@@ -6,9 +6,9 @@ workers, the order of items, or the number of threads.
 
 import math
 import os
-from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import field
+from dataclasses import replace
+from functools import lru_cache
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -25,7 +25,7 @@ from chromanoise.base import (
     renamed_keywords,
     stream,
 )
-from chromanoise.imaging import new_rows
+from chromanoise.imaging import channel_tile, new_rows
 from chromanoise.noise import Moments, coded_moments, held_moments, over_counts
 from chromanoise.sensor import CameraNoise, tukey_lambda_variance
 
@@ -41,6 +41,15 @@ _CHUNK_LANES = 1 << 17  # values per task of a thread
 _KEPT_PATTERNS = 4
 _SETTINGS = 5  # name of the random stream of an item's settings
 _EMPTY = np.empty((0, 0), np.float32)
+_NOISE_OF = {
+    "dark": "dark_current_e_per_s",
+    "prnu": "prnu",
+    "dsnu": "dsnu_e",
+    "row": "row_noise_e",
+    "column": "column_noise_e",
+    "telegraph": "rtn_share",
+}
+"""The value of a camera that is 0 if a part is switched off."""
 
 
 class _Use(NamedTuple):
@@ -115,7 +124,6 @@ class NoiseSampler:
     clamp: bool = True
     seed: int = 0
     threads: int | None = None
-    _patterns: "_Patterns" = field(default_factory=lambda: _Patterns(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _whole("seed", self.seed, _SEED_BITS)
@@ -183,18 +191,16 @@ class NoiseSampler:
         refuse_absent_package("numba", "training noise", extra="compiled")
         from chromanoise.apps.training.training_kernels import add_noise
 
-        camera, dark_e = self._settings(item, iso, time_s)
+        settings = self._settings(item, iso)
+        camera, dark_e = self._used(settings, time_s)
         given = _picture(clean, camera)
-        row, column = _place(origin)
+        row, column = _checked_origin(origin)
         lanes = self._lanes(camera, unit, given.shape, (row, column), dark_e)
         flat = np.ascontiguousarray(given, dtype=np.float32).reshape(given.shape[0], -1)
         noisy, variance = new_rows(flat.shape, np.float32), new_rows(flat.shape, np.float32)
         use, noise = self._use(camera), self._noise(camera, dark_e)
-        first = (row, column * _depth(given))
-        maps = (
-            *self._maps(camera, flat.shape, first, pattern),
-            self._item_map(camera, flat.shape, first, pattern, item),
-        )
+        place = _Place(self.seed, row, column * _depth(given), flat.shape)
+        maps = _maps(camera, place, pattern, item)
         key, number = np.uint64(self.seed), np.uint64(item)
 
         def fill(rows: tuple[int, int]) -> int:
@@ -209,7 +215,7 @@ class NoiseSampler:
             variance=variance.reshape(shape),
             clean=flat.reshape(shape),
             unit=unit,
-            camera=camera,
+            camera=settings,
         )
 
     def exact_moments(
@@ -248,7 +254,7 @@ class NoiseSampler:
         than a sample: about a microsecond for each likely count of each different value.
         EMVA 1288, release 4.0.
         """
-        camera, dark_e = self._settings(item, iso, time_s)
+        camera, dark_e = self._used(self._settings(item, iso), time_s)
         use = self._use(camera)
         if use.tails or not use.shot:
             raise InputError(
@@ -258,16 +264,16 @@ class NoiseSampler:
                 remedy=Setting("shot", (True,)) if not use.tails else "use NoisySample.variance",
             )
         given = _picture(clean, camera)
-        place = _place(origin)
+        place = _checked_origin(origin)
         lanes = self._lanes(camera, unit, given.shape, place, dark_e).astype(np.float64)
         flat = np.asarray(given, dtype=np.float64).reshape(given.shape[0], -1)
         rows = (np.arange(flat.shape[0]) + place[0]) % lanes.shape[1]
         zero, per_unit, gain, read, dark_code, black, top = lanes[:7, rows]
         light = check.non_negative("clean", "e-", (flat - zero) * per_unit)
         noise = self._noise(camera, dark_e).astype(np.float64)
-        added = (noise[1] * light) ** 2 + noise[2] ** 2 + self._dsnu_e(camera) ** 2
-        share, level_e = self._levels(camera)
-        added = added + self._item_e2(camera) - share * level_e**2
+        added = (noise[1] * light) ** 2 + noise[2] ** 2 + camera.dsnu_e**2
+        share, level_e = _levels(camera)
+        added = added + _item_e2(camera) - share * level_e**2
         spread = np.sqrt(added + (read**2 if use.read else 0.0))
         levels = ((1 - share, 0.0), (share / 2, level_e), (share / 2, -level_e))
         each = []
@@ -289,13 +295,16 @@ class NoiseSampler:
             full_share=high.reshape(shape),
         )
 
-    def _settings(
-        self, item: int, iso: float | None, time_s: float | None
-    ) -> tuple[CameraNoise, float]:
-        """The camera for an item, and the mean number of dark electrons."""
+    def _settings(self, item: int, iso: float | None) -> CameraNoise:
+        """The camera for an item."""
         _whole("item", item, _ITEM_BITS)
-        camera = self.camera.draw_settings(stream(self.seed, _SETTINGS, item), iso=iso)
-        if not self.dark or camera.dark_current_e_per_s == 0:
+        return self.camera.draw_settings(stream(self.seed, _SETTINGS, item), iso=iso)
+
+    def _used(self, settings: CameraNoise, time_s: float | None) -> tuple[CameraNoise, float]:
+        """The camera without the parts that are switched off, and the mean of dark electrons."""
+        off = {value: 0.0 for part, value in _NOISE_OF.items() if not getattr(self, part)}
+        camera = replace(settings, **off) if off else settings
+        if camera.dark_current_e_per_s == 0:
             return camera, 0.0
         if time_s is None:
             raise InputError(
@@ -313,7 +322,7 @@ class NoiseSampler:
         return _Use(
             shot=self.shot,
             read=read,
-            row=self.row and camera.row_noise_e > 0,
+            row=camera.row_noise_e > 0,
             quantize=self.quantize,
             clamp=self.clamp,
             together=read and not tails and float(camera.read_noise_e.min()) >= _SMOOTH_E,
@@ -321,19 +330,10 @@ class NoiseSampler:
         )
 
     def _noise(self, camera: CameraNoise, dark_e: float) -> Float32[Array, "5"]:
-        prnu = camera.prnu if self.prnu else 0.0
-        row_e = camera.row_noise_e if self.row else 0.0
         shape = camera.tail_lambda[0] if camera.tail_lambda else 0.0
         least = float(camera.read_noise_e.min())
         few_e = counted_below_e(least) if self._use(camera).together else _FEW_E
-        return np.array([dark_e, prnu, row_e, shape, few_e], np.float32)
-
-    def _dsnu_e(self, camera: CameraNoise) -> float:
-        return camera.dsnu_e if self.dsnu else 0.0
-
-    def _levels(self, camera: CameraNoise) -> tuple[float, float]:
-        """Share of the pixels with two levels [1], and half the difference of the two. [e-]"""
-        return (camera.rtn_share if self.telegraph else 0.0), camera.rtn_amplitude_e / 2
+        return np.array([dark_e, camera.prnu, camera.row_noise_e, shape, few_e], np.float32)
 
     def _lanes(
         self,
@@ -364,62 +364,13 @@ class NoiseSampler:
         zero = black if unit == "dn" else np.zeros_like(gain)
         units = {"electron": np.ones_like(gain), "dn": 1 / gain}
         per_unit = units.get(unit, (camera.top_code_dn - black) / gain)
-        fixed = read**2 + dark_e + self._dsnu_e(camera) ** 2
-        fixed = fixed + (camera.row_noise_e**2 if use.row else 0.0) + self._item_e2(camera)
+        fixed = read**2 + dark_e + camera.dsnu_e**2 + camera.row_noise_e**2 + _item_e2(camera)
         fixed = fixed + (1 / 12 / gain**2 if use.quantize else 0.0)
         scale = math.sqrt(tukey_lambda_variance(camera.tail_lambda[0])) if use.tails else 1.0
         dark_code = black + np.ravel(offset)
         codes = [dark_code, black, top, fixed, 1 / (gain * per_unit), 1 / per_unit**2]
         rows = np.stack([zero, per_unit, gain, read / scale, *codes])
         return np.ascontiguousarray(rows[:, channel], dtype=np.float32)
-
-    def _maps(
-        self,
-        camera: CameraNoise,
-        shape: tuple[int, int],
-        first: tuple[int, int],
-        pattern: int,
-    ) -> tuple[Float32[Array, "gh gw"], Float32[Array, "oh ow"]]:
-        """Sensitivity and dark offset of each lane; empty where they are not used."""
-        from chromanoise.imaging import PIXEL_GAIN, PIXEL_OFFSET
-
-        _whole("pattern", pattern, _PATTERN_BITS)
-        prnu, dsnu_e = (camera.prnu if self.prnu else 0.0), self._dsnu_e(camera)
-        place = (self.seed, shape, first, pattern)
-        return (
-            self._patterns.of(PIXEL_GAIN, prnu, 0.0, *place) if prnu else _EMPTY,
-            self._patterns.of(PIXEL_OFFSET, dsnu_e, -math.inf, *place) if dsnu_e else _EMPTY,
-        )
-
-    def _item_e2(self, camera: CameraNoise) -> float:
-        """Variance of the offsets of one item that are not those of its rows. [e-^2]"""
-        share, level_e = self._levels(camera)
-        return (camera.column_noise_e**2 if self.column else 0.0) + share * level_e**2
-
-    def _item_map(
-        self,
-        camera: CameraNoise,
-        shape: tuple[int, int],
-        first: tuple[int, int],
-        pattern: int,
-        item: int,
-    ) -> Float32[Array, "ih iw"]:
-        """Column offsets and levels of telegraph noise of this item."""
-        from chromanoise.apps.training.training_kernels import draw_levels, draw_pattern
-        from chromanoise.imaging import COLUMN
-
-        share, level_e = self._levels(camera)
-        found, key = _EMPTY, np.uint64(self.seed)
-        if self.column and camera.column_noise_e:
-            found = np.empty((1, shape[1]), np.float32)
-            spread, low, start = np.float32(camera.column_noise_e), np.float32(-np.inf), np.int64(0)
-            draw_pattern(spread, low, np.int64(COLUMN), start, start, np.uint64(item), key, found)
-        if share:
-            offsets = np.zeros(shape, np.float32)
-            at = (np.int64(first[0]), np.int64(first[1]), np.uint64(pattern), np.uint64(item))
-            draw_levels(np.float32(share), np.float32(level_e), *at, key, offsets)
-            found = offsets + found if found.size else offsets
-        return found
 
     def _in_rows(self, fill: Any, shape: tuple[int, int]) -> int:
         """The sum of ``fill`` over chunks of rows, on the threads."""
@@ -433,40 +384,75 @@ class NoiseSampler:
             return sum(pool.map(fill, parts))
 
 
-class _Patterns:
-    """The fixed patterns that were used last."""
+class _Place(NamedTuple):
+    """Rows and lanes of a sensor, from the first ones on, and the seed of what is drawn there."""
 
-    def __init__(self) -> None:
-        self._kept: OrderedDict[tuple[Any, ...], Array] = OrderedDict()
+    seed: int
+    row: int
+    lane: int
+    shape: tuple[int, int]
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled empty: workers draw the same patterns again."""
-        return _Patterns, ()
 
-    def of(
-        self,
-        purpose: int,
-        spread: float,
-        floor: float,
-        seed: int,
-        shape: tuple[int, int],
-        first: tuple[int, int],
-        pattern: int,
-    ) -> Float32[Array, "h w"]:
-        from chromanoise.apps.training.training_kernels import draw_pattern
+def _pattern(
+    place: _Place, number: int, purpose: int, spread: float, least: float = -math.inf
+) -> Float32[Array, "h w"]:
+    """Offsets of the lanes, or their sensitivity, by the number of a sensor or an item."""
+    from chromanoise.apps.training.training_kernels import draw_pattern
 
-        name = (purpose, spread, seed, shape, first, pattern)
-        found = self._kept.pop(name, None)
-        if found is None:
-            found = np.empty(shape, np.float32)
-            low = np.float32(floor)
-            at = (np.int64(purpose), np.int64(first[0]), np.int64(first[1]))
-            key, number = np.uint64(seed), np.uint64(pattern)
-            draw_pattern(np.float32(spread), low, *at, number, key, found)
-        self._kept[name] = found
-        while len(self._kept) > _KEPT_PATTERNS:
-            self._kept.popitem(last=False)
-        return found
+    values = np.empty(place.shape, np.float32)
+    at = np.int64(purpose), np.int64(place.row), np.int64(place.lane)
+    key = np.uint64(place.seed)
+    draw_pattern(np.float32(spread), np.float32(least), *at, np.uint64(number), key, values)
+    return values
+
+
+_fixed_pattern = lru_cache(_KEPT_PATTERNS)(_pattern)
+
+
+def _maps(
+    camera: CameraNoise, place: _Place, pattern: int, item: int
+) -> tuple[Float32[Array, "gh gw"], Float32[Array, "oh ow"], Float32[Array, "ih iw"]]:
+    """Sensitivity and dark offset of each lane, and the offsets of an item; empty if not used."""
+    from chromanoise.imaging import PIXEL_GAIN, PIXEL_OFFSET
+
+    _whole("pattern", pattern, _PATTERN_BITS)
+    prnu, dsnu_e = camera.prnu, camera.dsnu_e
+    return (
+        _fixed_pattern(place, pattern, PIXEL_GAIN, prnu, 0.0) if prnu else _EMPTY,
+        _fixed_pattern(place, pattern, PIXEL_OFFSET, dsnu_e) if dsnu_e else _EMPTY,
+        _item_map(camera, place, pattern, item),
+    )
+
+
+def _item_map(
+    camera: CameraNoise, place: _Place, pattern: int, item: int
+) -> Float32[Array, "ih iw"]:
+    """Column offsets and levels of telegraph noise of an item."""
+    from chromanoise.apps.training.training_kernels import draw_levels
+    from chromanoise.imaging import COLUMN
+
+    found = _EMPTY
+    if camera.column_noise_e:
+        line = place._replace(row=0, lane=0, shape=(1, place.shape[1]))
+        found = _pattern(line, item, COLUMN, camera.column_noise_e)
+    share, level_e = _levels(camera)
+    if share:
+        offsets = np.zeros(place.shape, np.float32)
+        at = np.int64(place.row), np.int64(place.lane), np.uint64(pattern), np.uint64(item)
+        draw_levels(np.float32(share), np.float32(level_e), *at, np.uint64(place.seed), offsets)
+        found = offsets + found if found.size else offsets
+    return found
+
+
+def _levels(camera: CameraNoise) -> tuple[float, float]:
+    """Share of the pixels with two levels [1], and half the difference of the two. [e-]"""
+    return camera.rtn_share, camera.rtn_amplitude_e / 2
+
+
+def _item_e2(camera: CameraNoise) -> float:
+    """Variance of the offsets of one item that are not those of its rows. [e-^2]"""
+    share, level_e = _levels(camera)
+    return camera.column_noise_e**2 + share * level_e**2
 
 
 @renamed_keywords(levels="telegraph")
@@ -633,12 +619,11 @@ def _channels(camera: CameraNoise, shape: tuple[int, ...], first_column: int) ->
         return np.tile(np.arange(shape[2]), shape[1])[None, :]
     if camera.mosaic is None:
         return np.zeros((1, shape[1]), dtype=np.int64)
-    index = {name: i for i, name in enumerate(camera.names)}
-    tile = np.array([[index[name] for name in row] for row in camera.mosaic.pattern])
+    tile = channel_tile(camera.mosaic, camera.names)
     return tile[:, (np.arange(shape[1]) + first_column) % tile.shape[1]]
 
 
-def _place(origin: tuple[int, int]) -> tuple[int, int]:
+def _checked_origin(origin: tuple[int, int]) -> tuple[int, int]:
     row, column = origin
     _whole("origin", row, 23)
     _whole("origin", column, 23)
