@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
@@ -37,6 +37,11 @@ Key = tuple[str, ...]
 def key_of(frames: Sequence[RawFrame]) -> Key:
     """The names of the frames with their folders, by which their statistics are found."""
     return tuple(f"{frame.path}[{frame.part}][{frame.index}]" for frame in frames)
+
+
+def groups_of(levels: Iterable[FrameLevel]) -> list[tuple[RawFrame, ...]]:
+    """The flats and the darks of each level, where it has them."""
+    return [group for level in levels for group in (level.flats, level.darks) if group]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -86,6 +91,13 @@ class Lights:
         for level in temporal or levels:
             found.setdefault(key_of(level.darks), level)
         return found
+
+    @cached_property
+    def spatial(self) -> set[Key]:
+        """The flats and darks of spatial series."""
+        return {
+            key_of(group) for group in groups_of(one for one in self.frames.levels if one.spatial)
+        }
 
     @cached_property
     def planes(self) -> "list[PlaneLights]":
@@ -165,11 +177,7 @@ def lights_of(frames: FrameSet, sampled: Sampler, progress: Callable[[int, int],
         raise InputError(frames.source, "must have frames with light", found="has dark frames only")
     refuse_mixed(frames.source, [f for one in frames.levels for f in one.frames])
     refuse_few(frames.source, frames.levels, ("flats", "darks"))
-    groups: dict[Key, tuple[RawFrame, ...]] = {}
-    for level in frames.levels:
-        for group in (level.flats, level.darks):
-            if len(group) > 1:
-                groups.setdefault(key_of(group), group)
+    groups = {key_of(group): group for group in groups_of(frames.levels)}
     found: dict[Key, LightSample] = {}
     lights = Lights(frames=frames, samples=found)
     whole, done = sum(map(len, groups.values())), 0
@@ -281,7 +289,7 @@ def _true_bits(lights: Lights, step_dn: int) -> int | None:
 
     The stated bits are those of the stored codes, unless the stored codes are too large for them.
     """
-    groups = [g for one in lights.frames.levels for g in (one.flats, one.darks) if g]
+    groups = groups_of(lights.frames.levels)
     bits = next((group[0].bits for group in groups if group[0].bits), None)
     if bits is None:
         return None

@@ -160,13 +160,10 @@ def model_verdict(
     correlation
         Temporal correlation between the planes of a cell.
     """
-    z = [_deviations(plane) for plane in planes]
-    worst_plane = max(range(len(planes)), key=lambda i: float(np.abs(z[i]).max(initial=0.0)))
-    fitted = [level for level in planes[worst_plane].levels if level.fitted]
-    worst = int(np.abs(z[worst_plane]).argmax()) if fitted else 0
+    worst, worst_z = max(map(_worst_level, planes), key=lambda found: abs(found[1]))
     sentences = [
         *bend_sentences(planes),
-        *_deviating(lights, planes, z),
+        *_deviating(lights, planes),
         *_neighbors(lights, planes),
         *_channels(planes, correlation, _least_correlation(lights)),
         *_clipped_at_0(given),
@@ -175,16 +172,17 @@ def model_verdict(
     return ModelVerdict(
         holds=not sentences,
         chi2_per_level=float(np.mean([plane.fit.chi2_per_row for plane in planes])),
-        worst_level=fitted[worst].name if fitted else "",
-        worst_z=float(z[worst_plane][worst]) if fitted else 0.0,
+        worst_level="" if worst is None else worst.name,
+        worst_z=worst_z,
         sentences=tuple(sentences),
     )
 
 
-def _deviations(plane: PlaneNoise) -> Array:
-    """Variance minus fit over its standard error, of the levels that were fitted."""
-    lit = len(plane.levels)
-    return np.asarray(plane.fit.residual_z[:lit][plane.fit.fitted[:lit]])
+def _worst_level(plane: PlaneNoise) -> tuple[LevelNoise | None, float]:
+    """The fitted level that deviates most from the fit, and by how many standard errors."""
+    every = zip(plane.levels, plane.fit.residual_z.tolist(), strict=False)
+    fitted = [(level, z) for level, z in every if level.fitted]
+    return max(fitted, key=lambda found: abs(found[1]), default=(None, 0.0))
 
 
 def bend_sentences(planes: Sequence[PlaneNoise]) -> Iterator[str]:
@@ -201,18 +199,16 @@ def bend_sentences(planes: Sequence[PlaneNoise]) -> Iterator[str]:
             )
 
 
-def _deviating(lights: Lights, planes: Sequence[PlaneNoise], z: Sequence[Array]) -> Iterator[str]:
-    for plane, own in zip(planes, z, strict=True):
-        fitted = [level for level in plane.levels if level.fitted]
-        if not own.size or abs(plane.bend_z or 0.0) > SURE_Z:
+def _deviating(lights: Lights, planes: Sequence[PlaneNoise]) -> Iterator[str]:
+    for plane in planes:
+        level, z = _worst_level(plane)
+        if level is None or abs(plane.bend_z or 0.0) > SURE_Z:
             continue
-        k = int(np.abs(own).argmax())
-        level = fitted[k]
         share = level.variance_dn2 / max(level.predicted_variance_dn2, 1e-300) - 1
-        if abs(own[k]) > SURE_Z and abs(share) > _LEAST_DEVIATION:
+        if abs(z) > SURE_Z and abs(share) > _LEAST_DEVIATION:
             yield (
                 f"{plane.name}: the variance of {_flats(lights, level)} is {100 * share:+.1f} % "
-                f"off the straight line ({own[k]:+.1f} standard errors): the light differs between "
+                f"off the straight line ({z:+.1f} standard errors): the light differs between "
                 "the frames, or the frames are processed"
             )
 
@@ -462,16 +458,10 @@ def _patterns(lights: Lights, middles: Sequence[FrameLevel]) -> Patterns:
         for group in (middle.flats, _darks_of(lights.frames, middle)):
             if group:
                 wanted.setdefault(key_of(group), (group, set()))[1].add(i)
-    series = {
-        key_of(group)
-        for level in lights.frames.levels
-        if level.spatial
-        for group in (level.flats, level.darks)
-    }
 
     def of_planes(group: tuple[RawFrame, ...]) -> dict[tuple[Key, int], FixedPattern]:
         key = key_of(group)
-        averaged = group[: _MOST_SPATIAL if key in series else _MOST_AVERAGED]
+        averaged = group[: _MOST_SPATIAL if key in lights.spatial else _MOST_AVERAGED]
         patterns = fixed_patterns(averaged, lights.tile, sorted(wanted[key][1]))
         return {(key, i): pattern for i, pattern in patterns.items()}
 
@@ -505,16 +495,17 @@ def _with_rows_of_all_darks(own: PlaneLights, group: Sequence[RawFrame]) -> Plan
     is averaged over all darks. A spatial series has many frames, so their own temporal noise is
     subtracted, as in the standard.
     """
-    if any(level.spatial and level.darks == group for level in own.lights.frames.levels):
+    if key_of(group) in own.lights.spatial:
         return own.of(group)
-    shared: dict[str, Any] = {
-        name: value
-        for which in ("row", "column")
-        for name, value in zip(
-            (f"{which}_dn2", f"{which}_se_dn2"), mean_shared(own.darks, which), strict=True
-        )
-    }
-    return replace(own.of(group), **shared)
+    row, row_se = mean_shared(own.darks, "row")
+    column, column_se = mean_shared(own.darks, "column")
+    return replace(
+        own.of(group),
+        row_dn2=row,
+        row_se_dn2=row_se,
+        column_dn2=column,
+        column_se_dn2=column_se,
+    )
 
 
 _HEAD_BYTES = 4096

@@ -302,7 +302,8 @@ class NoiseSampler:
 
     def _used(self, settings: CameraNoise, time_s: float | None) -> tuple[CameraNoise, float]:
         """The camera without the parts that are switched off, and the mean of dark electrons."""
-        off = {value: 0.0 for part, value in _NOISE_OF.items() if not getattr(self, part)}
+        parts = _NOISE_OF.items()
+        off: dict[str, Any] = {value: 0.0 for part, value in parts if not getattr(self, part)}
         camera = replace(settings, **off) if off else settings
         if camera.dark_current_e_per_s == 0:
             return camera, 0.0
