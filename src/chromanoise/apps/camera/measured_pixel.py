@@ -19,7 +19,7 @@ from chromanoise.apps.camera.characterization import (
     by_iso,
     several,
 )
-from chromanoise.base import InputError, Setting, dataclass, defined
+from chromanoise.base import InputError, Setting, defined
 from chromanoise.io.pixels import pixel_source_toml
 from chromanoise.sensor import CameraNoise, PixelSource, ReadNoiseTable
 
@@ -57,9 +57,10 @@ def pixel_of(result: Characterization) -> PixelSource:
     planes = result.planes
     iso = "" if result.iso is None else f", ISO {result.iso:g}"
     source = f"{result.camera or result.source}{iso}"
-    found = {name: _merged(planes, name, *how) for name, how in _MERGED.items()}
-    values: dict[str, Any] = {name: one.value for name, one in found.items() if one}
-    notes = ["; ".join(one.note for one in found.values() if one)]
+    known = {name: _known(planes, name) for name in _MERGED}
+    found = {name: _merged(known[name], name, *how) for name, how in _MERGED.items() if known[name]}
+    values: dict[str, Any] = {name: value for name, (value, _) in found.items()}
+    notes = ["; ".join(note for _, note in found.values())]
     if any(values.get(name, 0.0) > 0 for name in SHARED) and "dark_noise_e" in values:
         notes.append("the read noise excludes row and column noise")
     black, current = values.pop("black_level_dn", None), values.pop("dark_current_e_per_s", None)
@@ -168,39 +169,29 @@ _MERGED: Mapping[str, tuple[str, str, int, Callable[[Known, str], tuple[float, s
 """Of each merged field: name, unit and digits in the note, and how the planes are merged."""
 
 
-@dataclass(frozen=True)
-class _Merged:
-    value: float
-    note: str
-
-
 def _merged(
-    planes: Sequence[PlaneNoise],
+    known: Known,
     field: str,
     name: str,
     unit: str,
     digits: int,
     merge: Callable[[Known, str], tuple[float, str, str]],
-) -> _Merged | None:
-    """One value of all planes, and how they were merged; of the dark noise, the read noise."""
-    known = _known(planes, field)
-    if not known:
-        return None
+) -> tuple[float, str]:
+    """One value of all planes, and a note on how they were merged."""
     value, how, error = merge(known, field)
-    return _Merged(value, f"{name} {value:.{digits}g}{error} {unit}{_spread(known, how)}")
+    return value, f"{name} {value:.{digits}g}{error} {unit}{_spread(known, how)}"
 
 
 def _known(planes: Sequence[PlaneNoise], field: str) -> Known:
-    found = [
-        (
-            plane,
-            read_noise_e(plane, *(getattr(plane, name) for name in SHARED))
-            if field == "dark_noise_e"
-            else getattr(plane, field),
-        )
-        for plane in planes
-    ]
-    return [(plane, value) for plane, v in found if (value := defined(v)) is not None]
+    """The planes of which a value is known; of the dark noise, the read noise."""
+
+    def value_of(plane: PlaneNoise) -> float | None:
+        if field == "dark_noise_e":
+            return read_noise_e(plane, *(getattr(plane, name) for name in SHARED))
+        value: float | None = getattr(plane, field)
+        return value
+
+    return [(plane, value) for plane in planes if (value := defined(value_of(plane))) is not None]
 
 
 def _spread(known: Known, how: str) -> str:

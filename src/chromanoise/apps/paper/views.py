@@ -191,7 +191,14 @@ def channel_plane(
     frame = two.matrix.frame
     view = plane_view(frame.basis[:, 0], frame.basis[:, 1])
     to_plane = view.axes.T @ frame.dual
-    measured = _measured(two, to_plane)
+    measured = through(
+        two.raw,
+        to_plane,
+        names=("along f_1", "across f_1"),
+        kind="spectral",
+        unit="units of light",
+        metric=two.matrix.metric,
+    )
     whole_light = light(two.scene, frame.metric)
     lengths = np.linalg.norm(view.vectors, axis=0)
     electrons = sample_electrons(
@@ -288,17 +295,6 @@ def _refuse_no_plane(two: Analysis) -> None:
             raise InputError(
                 f"channel {name}", "must see some of this light", value=0.0, found="sees none"
             )
-
-
-def _measured(two: Analysis, to_plane: Float[Array, "2 2"]) -> Measurement:
-    return through(
-        two.raw,
-        to_plane,
-        names=("along f_1", "across f_1"),
-        kind="spectral",
-        unit="units of light",
-        metric=two.matrix.metric,
-    )
 
 
 def _color_axis(two: Analysis, view: PlaneView, measured: Measurement, column: int) -> ColorAxis:

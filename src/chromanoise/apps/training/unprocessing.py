@@ -268,11 +268,8 @@ def mosaicked(picture: Float[Array, "h w 3"], mosaic: Mosaic) -> Float[Array, "h
     green = {"G1": "G", "G2": "G"}
     plain = Mosaic(tuple(tuple(green.get(one, one) for one in row) for row in mosaic.pattern))
     tile = channel_tile(plain, _RGB)
-    height, width = picture.shape[:2]
-    rows = np.arange(height)[:, None] % tile.shape[0]
-    columns = np.arange(width)[None, :] % tile.shape[1]
-    chosen = tile[rows, columns]
-    return np.take_along_axis(picture, chosen[..., None], axis=2)[..., 0]
+    rows, columns = np.arange(picture.shape[0])[:, None], np.arange(picture.shape[1])
+    return picture[rows, columns, tile[rows % tile.shape[0], columns % tile.shape[1]]]
 
 
 def _has_three_channels(picture: Array) -> bool:
