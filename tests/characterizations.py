@@ -62,6 +62,12 @@ def plane_of(
     return replace(plane, name=name, **(values | given))
 
 
+def exact_plane(name="mono", **given):
+    """A plane of K = 0.5 DN/e-, sigma_d = 5 e-, black level 55 DN, to the last digit."""
+    values = {"gain_dn_per_e": 0.5, "dark_noise_e": 5.0, "black_level_dn": 55.0}
+    return replace(plane_of(name), **(values | given))
+
+
 def monochrome(**given):
     """One plane."""
     return _camera(**({"planes": (plane_of(),), "mosaic": None} | given))

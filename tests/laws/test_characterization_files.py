@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from characterizations import BLACK_DN, DARK_E, color, monochrome, plane_of
+from characterizations import BLACK_DN, DARK_E, color, exact_plane, monochrome, plane_of
 from chromanoise.apps.camera import (
     ModelVerdict,
     PlaneNoise,
@@ -50,12 +50,6 @@ def file(tmp_path):
     return write
 
 
-def exact_plane(name="mono", **given):
-    """A plane of K = 0.5 DN/e-, sigma_d = 5 e-, black level 55 DN, to the last digit."""
-    values = {"gain_dn_per_e": 0.5, "dark_noise_e": 5.0, "black_level_dn": 55.0}
-    return replace(plane_of(name), **(values | given))
-
-
 # --- JSON
 
 
@@ -78,7 +72,7 @@ def test_the_json_has_every_field_with_all_digits():
 
 
 def test_a_number_that_is_not_defined_is_null():
-    plane = replace(plane_of(), qe=None, bend_z=math.nan)
+    plane = exact_plane(qe=None, bend_z=math.nan)
     data = characterization_as_json(monochrome(planes=(plane,), iso=None))
     assert data["planes"][0]["qe"] is None
     assert data["planes"][0]["bend_z"] is None
@@ -91,7 +85,7 @@ def test_a_number_that_is_not_defined_is_null():
 
 
 def test_a_measured_prnu_beyond_that_of_any_pixel_is_written_and_refused_where_it_is_read(tmp_path):
-    result = monochrome(planes=(replace(plane_of(), prnu=0.3),))  # shading of a small plane
+    result = monochrome(planes=(exact_plane(prnu=0.3),))  # shading of a small plane
     assert pixel_of(result).prnu == 0.3
     path = tmp_path / "pixel.toml"
     path.write_text(pixel_toml(result), encoding="utf-8")
@@ -112,7 +106,7 @@ def test_the_pixel_of_a_monochrome_camera_has_the_values_of_its_plane():
 
 
 def test_noise_of_rows_and_columns_is_part_of_the_dark_noise_and_not_of_the_read_noise():
-    plane = replace(plane_of(), dark_noise_e=13.0, row_noise_e=4.0, column_noise_e=3.0)
+    plane = exact_plane(dark_noise_e=13.0, row_noise_e=4.0, column_noise_e=3.0)
     pixel = pixel_of(monochrome(planes=(plane,)))
     assert (pixel.read_noise_e, pixel.row_noise_e, pixel.column_noise_e) == (12.0, 4.0, 3.0)
 
@@ -191,6 +185,11 @@ def test_a_sensor_takes_the_pixel_file(file):
 # --- data sheets
 
 
+def values_of_sheet(text):
+    parts = (line.split(" = ") for line in text.splitlines() if " = " in line)
+    return {name: float(value.split()[0]) for name, value in parts}
+
+
 @pytest.mark.parametrize("plane", color().planes, ids=lambda plane: plane.name)
 def test_the_data_sheet_is_read_to_the_last_digit(file, plane):
     read = read_emva_sheet(file(emva_sheet(color(), plane)))
@@ -212,9 +211,9 @@ def test_a_value_below_zero_does_not_spoil_the_data_sheet(file):
 def test_the_threshold_of_a_data_sheet_is_that_of_the_standard(file):
     plane = exact_plane(gain_dn_per_e=0.1, dark_noise_e=2.0, qe=0.5)  # 4 + 100 / 12 = 12.3333
     text = emva_sheet(monochrome(), plane)
-    held = dict(line.split(" = ") for line in text.splitlines() if " = " in line)
-    assert float(held["mu_e.min"].split()[0]) == pytest.approx(math.sqrt(37 / 3) + 0.5, rel=EXACT)
-    assert float(held["mu_p.min"].split()[0]) == pytest.approx(2 * math.sqrt(37 / 3) + 1, rel=EXACT)
+    held = values_of_sheet(text)
+    assert held["mu_e.min"] == pytest.approx(math.sqrt(37 / 3) + 0.5, rel=EXACT)
+    assert held["mu_p.min"] == pytest.approx(2 * math.sqrt(37 / 3) + 1, rel=EXACT)
 
 
 def test_the_reference_code_of_the_standard_reads_the_xml(file):
@@ -315,12 +314,11 @@ def test_xml_and_text_of_a_data_sheet_give_the_same_pixel(file, plane):
 def test_mu_e_sat_is_the_saturation_capacity(file):
     plane = exact_plane(saturation_capacity_e=8000.0, full_well_e=8100.0)
     text = emva_sheet(monochrome(), plane)
-    held = dict(line.split(" = ") for line in text.splitlines() if " = " in line)
-    assert held["mu_e.sat"].split()[0] == "8000.0"
-    assert held["full well"].split()[0] == "8100.0"
-    assert float(held["SNR_max"].split()[0]) == pytest.approx(10 * math.log10(8000))
+    held = values_of_sheet(text)
+    assert (held["mu_e.sat"], held["full well"]) == (8000.0, 8100.0)
+    assert held["SNR_max"] == pytest.approx(10 * math.log10(8000))
     least = math.hypot(plane.dark_noise_e, 1 / math.sqrt(12) / plane.gain_dn_per_e) + 0.5
-    assert float(held["DR"].split()[0]) == pytest.approx(20 * math.log10(8000 / least))
+    assert held["DR"] == pytest.approx(20 * math.log10(8000 / least))
     only = read_emva_sheet(file(text.replace("full well = 8100.0", "# ")))
     assert only.full_well_e == 8000.0
 
@@ -514,6 +512,11 @@ def test_black_levels_of_colors_that_differ_are_written_for_each():
     }
 
 
+NO_DARK_NOISE = {"planes": (exact_plane("R", dark_noise_e=None),)}
+NO_BLACK_LEVEL = {"planes": (exact_plane("R", black_level_dn=None),)}
+ONE_LEVEL = {"planes": (exact_plane(levels=plane_of().levels[:1]),)}
+
+
 @pytest.mark.parametrize(
     ("write", "given", "subject"),
     [
@@ -522,29 +525,13 @@ def test_black_levels_of_colors_that_differ_are_written_for_each():
         (darktable_json, {"iso": None}, "iso"),
         (darktable_json, {"camera": ""}, "maker"),
         (darktable_json, {"camera": "Acme"}, "model"),
-        (
-            noise_profile_json,
-            {"planes": (replace(plane_of("R"), dark_noise_e=None),)},
-            "dark noise of plane R",
-        ),
-        (
-            libcamera_json,
-            {"planes": (replace(plane_of("R"), black_level_dn=None),)},
-            "black level of plane R",
-        ),
+        (noise_profile_json, NO_DARK_NOISE, "dark noise of plane R"),
+        (libcamera_json, NO_BLACK_LEVEL, "black level of plane R"),
         (darktable_json, {"planes": (plane_of("mono"),)}, "frames"),
-        (
-            libcamera_json,
-            {"planes": (replace(plane_of(), levels=plane_of().levels[:1]),)},
-            "frames",
-        ),
+        (libcamera_json, ONE_LEVEL, "frames"),
         (pixel_of, {"planes": ()}, "frames"),
         (noise_profile_json, {"planes": ()}, "frames"),
-        (
-            partial(noise_profile_json, white_level_dn=10),
-            {},
-            "white minus black level of frames",
-        ),
+        (partial(noise_profile_json, white_level_dn=10), {}, "white minus black level of frames"),
     ],
 )
 def test_a_model_that_lacks_a_value_is_refused(write, given, subject):

@@ -69,6 +69,18 @@ def bent_line(fitted, *, gain, read_e, bend):
     return np.linalg.lstsq(x[:, None], y, rcond=None)[0][0]
 
 
+def table_of(mean_dn, variance_dn2, *, dark=None, samples=None, **more):
+    """A table; where ``dark`` is not given, the lowest mean is that of the dark."""
+    mean_dn = np.asarray(mean_dn, dtype=float)
+    return PhotonTransfer(
+        mean_dn=mean_dn,
+        variance_dn2=np.asarray(variance_dn2, dtype=float),
+        dark=mean_dn == mean_dn.min() if dark is None else dark,
+        samples=None if samples is None else np.full(mean_dn.size, float(samples)),
+        **more,
+    )
+
+
 # errors
 
 
@@ -140,14 +152,7 @@ def test_rows_beyond_the_maximum_of_the_variance_are_saturated_however_little_th
     x = np.linspace(0.0, 2000.0, 21)
     variance = np.append(4 + 1 / 12 + 0.5 * x, np.multiply(shares, 4 + 1 / 12 + 1000.0))
     x = np.append(x, 2040.0 + np.arange(len(shares)))
-    fit = photon_transfer_fit(
-        PhotonTransfer(
-            mean_dn=64 + x,
-            variance_dn2=variance,
-            dark=x == 0,
-            samples=np.full(x.size, 1e6) if known else None,
-        )
-    )
+    fit = photon_transfer_fit(table_of(64 + x, variance, samples=1e6 if known else None))
     assert fit.gain_dn_per_e == pytest.approx(0.5, rel=1e-12)
     assert (fit.saturation_dn, fit.full_well_e) == pytest.approx((2064.0, 4000.0))
     assert abs(fit.bend_z) < 3
@@ -160,12 +165,7 @@ def test_scatter_of_the_brightest_rows_is_no_saturation():
     x = np.linspace(0.0, 2000.0, 21)
     for _ in range(50):
         scatter = 1 + np.sqrt(2 / 999) * rng.standard_normal(x.size)
-        table = PhotonTransfer(
-            mean_dn=64 + x,
-            variance_dn2=(4 + 1 / 12 + 0.5 * x) * scatter,
-            dark=x == 0,
-            samples=np.full(x.size, 1000.0),
-        )
+        table = table_of(64 + x, (4 + 1 / 12 + 0.5 * x) * scatter, samples=1000)
         assert photon_transfer_fit(table).full_well_e is None
 
 
@@ -175,12 +175,7 @@ def test_scatter_of_the_brightest_rows_is_no_saturation():
 def exact(light, **more):
     """K = 0.5 DN/e-, QE = 0.5, sigma_d = 6 e-, black 64: 0.25 DN and 0.125 DN^2 per photon."""
     signal = 0.25 * light
-    return PhotonTransfer(
-        mean_dn=64 + signal,
-        variance_dn2=9 + 1 / 12 + 0.5 * signal,
-        dark=light == 0,
-        **more,
-    )
+    return table_of(64 + signal, 9 + 1 / 12 + 0.5 * signal, **more)
 
 
 PHOTONS = np.array([0.0, 400.0, 1000.0, 2000.0, 4000.0, 8000.0])
@@ -200,7 +195,7 @@ def test_photons_fewer_than_electrons_are_refused():
 
 def test_only_a_column_named_spatial_variance_gives_prnu():
     # PRNU of 1 % adds (0.01 signal)^2: x^2 of the codes
-    plain = exact(PHOTONS, samples=np.full(PHOTONS.size, 1e5))
+    plain = exact(PHOTONS, samples=1e5)
     bent = replace(plain, variance_dn2=plain.variance_dn2 + (0.01 * (plain.mean_dn - 64)) ** 2)
     fit = photon_transfer_fit(replace(bent, spatial=True))
     assert (fit.prnu, fit.gain_dn_per_e) == pytest.approx((0.01, 0.5), rel=1e-6)
@@ -218,15 +213,15 @@ def test_lit_rows_use_the_dark_rows_of_the_same_exposure_time():
     time = np.array([1.0, 2.0, 4.0, 8.0])
     lit = 0.25 * np.array([500.0, 1000.0, 2000.0, 4000.0])
     dark_mean, dark_variance = 64 + 2 * time, 9 + 1 / 12 + time
-    rows = PhotonTransfer(
-        mean_dn=np.concatenate([dark_mean, dark_mean + lit]),
-        variance_dn2=np.concatenate([dark_variance, dark_variance + 0.5 * lit]),
+    rows = table_of(
+        [*dark_mean, *(dark_mean + lit)],
+        [*dark_variance, *(dark_variance + 0.5 * lit)],
         dark=np.arange(8) < 4,
         time_ms=np.concatenate([time, time]),
     )
-    columns = PhotonTransfer(
-        mean_dn=dark_mean + lit,
-        variance_dn2=dark_variance + 0.5 * lit,
+    columns = table_of(
+        dark_mean + lit,
+        dark_variance + 0.5 * lit,
         dark=np.zeros(4, dtype=bool),
         time_ms=time,
         dark_mean_dn=dark_mean,
@@ -243,8 +238,7 @@ def test_lit_rows_use_the_dark_rows_of_the_same_exposure_time():
 
 def test_a_dark_variance_of_quantization_gives_an_upper_limit_of_the_read_noise():
     x = np.array([0.0, 100.0, 200.0, 400.0])
-    table = PhotonTransfer(mean_dn=x, variance_dn2=0.1 + 0.5 * x, dark=x == 0)
-    fit = photon_transfer_fit(table)
+    fit = photon_transfer_fit(table_of(x, 0.1 + 0.5 * x))
     # EMVA 1288 writes 0.40 / K
     assert (fit.read_noise_e, fit.read_noise_se) == (pytest.approx(0.40 / 0.5, rel=0.02), None)
     assert any("upper limit" in note for note in fit.notes)
@@ -253,11 +247,11 @@ def test_a_dark_variance_of_quantization_gives_an_upper_limit_of_the_read_noise(
 def timed(dark_mean, dark_variance, *, dark_ms=(1.0, 2.0, 3.0), lit_ms=(1.0, 2.0, 3.0)):
     """Dark rows at three times, and lit rows 200, 400 and 800 DN above them with K = 0.5 DN/e-."""
     lit = np.array([200.0, 400.0, 800.0])
-    return PhotonTransfer(
-        mean_dn=np.concatenate([dark_mean, dark_mean + lit]),
-        variance_dn2=np.concatenate([dark_variance, dark_variance + 0.5 * lit]),
+    return table_of(
+        [*dark_mean, *(dark_mean + lit)],
+        [*dark_variance, *(dark_variance + 0.5 * lit)],
         dark=np.arange(6) < 3,
-        samples=np.full(6, 1e6),
+        samples=1e6,
         time_ms=np.array([*dark_ms, *lit_ms]),
     )
 
@@ -269,12 +263,7 @@ def test_without_a_dark_the_upper_limit_of_the_read_noise_includes_the_error_of_
     x = np.linspace(100.0, 2000.0, 12)
     true = 0.81 + 1 / 12 + 0.3 * x
     drawn = true * (1 + np.sqrt(2 / (n - 1)) * rng.standard_normal(x.size))
-    table = PhotonTransfer(
-        mean_dn=x,
-        variance_dn2=np.maximum(drawn, 0.1),
-        dark=x < 0,
-        samples=np.full(x.size, float(n)),
-    )
+    table = table_of(x, np.maximum(drawn, 0.1), dark=x < 0, samples=n)
     fit = photon_transfer_fit(table, black_dn=0.0)
     if fit.read_noise_se is None:
         assert fit.read_noise_e > 3.0
@@ -311,7 +300,7 @@ def test_a_dark_row_within_1_percent_of_an_exposure_time_is_its_dark():
 
 def test_a_quantum_efficiency_above_1_within_its_error_leaves_the_gain():
     # 1.002 electrons per photon, and rows of 1000 samples: K is uncertain by about 2 %
-    table = exact(PHOTONS, photons=PHOTONS / 2 / 1.002, samples=np.full(PHOTONS.size, 1e3))
+    table = exact(PHOTONS, photons=PHOTONS / 2 / 1.002, samples=1e3)
     fit = photon_transfer_fit(table)
     assert (fit.gain_dn_per_e, fit.qe) == pytest.approx((0.5, 1.002))
     assert 0.002 < fit.qe_se < 0.05
@@ -338,14 +327,8 @@ def test_a_quantum_efficiency_above_1_within_its_error_leaves_the_gain():
 def test_a_degenerate_table_gives_numbers_or_one_sentence(mean, variance, samples, known):
     for dark in (np.arange(4) < 1, np.zeros(4, dtype=bool)):
         try:
-            fit = photon_transfer_fit(
-                PhotonTransfer(
-                    mean_dn=np.array(mean, dtype=float),
-                    variance_dn2=np.array(variance, dtype=float),
-                    dark=dark,
-                    samples=np.full(4, samples) if known else None,
-                )
-            )
+            table = table_of(mean, variance, dark=dark, samples=samples if known else None)
+            fit = photon_transfer_fit(table)
         except InputError as error:
             assert "\n" not in str(error)  # noqa: PT017
         else:
@@ -404,6 +387,9 @@ def test_a_row_with_0_photons_is_dark(tmp_path):
     assert (fit.black_dn, fit.gain_dn_per_e, fit.qe) == pytest.approx((64, 0.5, 0.5))
 
 
+VARIANCE = "line {}, column 'variance_dn2'"
+
+
 @pytest.mark.parametrize(
     ("text", "fields"),
     [
@@ -421,13 +407,10 @@ def test_a_row_with_0_photons_is_dark(tmp_path):
             "mean_dn,variance_dn2,light\n1,2,dark\n2,3,dark\n3,4,dark",
             {"requirement": "rows with light"},
         ),
-        (
-            "mean_dn,variance_dn2\n1,2 %\n2,3\n3,4",
-            {"where": "line 2, column 'variance_dn2'", "value": "2 %"},
-        ),
+        ("mean_dn,variance_dn2\n1,2 %\n2,3\n3,4", {"where": VARIANCE.format(2), "value": "2 %"}),
         (
             "mean_dn,variance_dn2\n1,2\n2,3\n3,1e300",
-            {"where": "line 4, column 'variance_dn2'", "value": "1e300"},
+            {"where": VARIANCE.format(4), "value": "1e300"},
         ),
     ],
 )

@@ -1,70 +1,29 @@
 """A characterized camera as the noise model of a sampler."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.apps.camera.characterization import Characterization, ModelVerdict, PlaneNoise
+from characterizations import BAYER, color, exact_plane
 from chromanoise.apps.camera.measured_pixel import camera_noise
-from chromanoise.sensor import Mosaic, TransferFit
 from outcomes import refused_input
 
-MOSAIC = Mosaic((("R", "G1"), ("G2", "B")))
+UNKNOWN = ("full_well_e", "dark_current_e_per_s", "dsnu_e", "prnu", "column_noise_e")
 
 
-def blank(kind, **values):
-    return kind(**(dict.fromkeys((one.name for one in fields(kind)), None) | values))
-
-
-FIT = blank(
-    TransferFit,
-    source="frames",
-    gain_dn_per_e=1.0,
-    gain_se=0.1,
-    fitted=np.ones(3, dtype=bool),
-    residual_z=np.zeros(3),
-    chi2_per_row=1.0,
-    notes=(),
-)
-
-
-def plane(name, **values):
-    given = {
-        "gain_dn_per_e": 0.5,
-        "gain_dn_per_e_se": 0.01,
-        "dark_noise_e": 5.0,
-        "black_level_dn": 64.0,
-        "row_noise_e": 3.0,
-        "levels": (),
-        "fit": FIT,
-    }
-    return blank(PlaneNoise, name=name, **(given | values))
-
-
-def result(*, iso=100.0, bits=12, **values):
-    verdict = ModelVerdict(
-        holds=True, chi2_per_level=1.0, worst_level="", worst_z=0.0, sentences=()
-    )
-    return Characterization(
-        source="frames",
-        camera="",
-        iso=iso,
-        bits=bits,
-        mosaic=MOSAIC,
-        planes=tuple(plane(name, **values) for name in MOSAIC.names),
-        correlation=np.eye(4),
-        covariance_dn2=np.ones((1, 4, 4)),
-        verdict=verdict,
-        notes=(),
-    )
+def result(*, iso=100.0, **values):
+    """Four planes of 5 e- of dark noise, of which 3 e- are row noise; nothing else is known."""
+    usual = {"black_level_dn": 64.0, "row_noise_e": 3.0} | dict.fromkeys(UNKNOWN)
+    planes = tuple(exact_plane(name, **usual | values) for name in ("R", "G1", "G2", "B"))
+    return color(iso=iso, planes=planes)
 
 
 def test_the_model_has_the_values_of_the_planes():
     camera = camera_noise([result(prnu=0.01, full_well_e=9000.0)])
     assert camera.names == ("R", "G1", "G2", "B")
-    assert camera.mosaic == MOSAIC
+    assert camera.mosaic == BAYER
     assert camera.top_code_dn == 4095
     assert (camera.gain_dn_per_e == 0.5).all()
     assert (camera.black_level_dn == 64).all()
@@ -72,7 +31,6 @@ def test_the_model_has_the_values_of_the_planes():
 
 
 def test_the_dark_variance_of_a_sample_is_that_of_the_measured_dark_noise():
-    """5 e- of dark noise, of which 3 e- are row noise."""
     add_noise = cn.apps.training.sampler(camera_noise([result()]), quantize=False)
     assert add_noise(np.zeros((2, 2)), unit="electron").variance[0, 0] == pytest.approx(25.0)
 
