@@ -58,6 +58,22 @@ def found(tmp_path_factory):
     return cn.characterize(frames_of(tmp_path_factory.mktemp("camera") / "frames"))
 
 
+@pytest.fixture(scope="module")
+def of_mosaic(tmp_path_factory):
+    """Four planes of 0.3, 0.6, 0.6 and 0.48 e-/photon."""
+    camera = replace(CAMERA, mosaic="RG/GB", shape=(240, 320), sensitivity=(0.5, 1.0, 0.8))
+    return cn.characterize(frames_of(tmp_path_factory.mktemp("mosaic") / "frames", camera))
+
+
+def without_darks(frames):
+    return replace(frames, levels=tuple(replace(one, darks=()) for one in frames.levels))
+
+
+def assert_within_errors(plane, **true):
+    for name, value in true.items():
+        assert abs(getattr(plane, name) - value) < 4 * getattr(plane, f"{name}_se"), name
+
+
 def noise(shape, *, pixel=0.0, row=0.0, column=0.0, seed=0, mean=1000.0):
     rng = np.random.default_rng(seed)
     values = mean + pixel * rng.standard_normal(shape)
@@ -262,8 +278,8 @@ def test_stated_errors_are_right_under_shading_and_a_lamp_that_flickers(change, 
 
 def test_without_a_dark_the_frames_are_not_scaled_and_the_verdict_says_so():
     frames = flickering(replace(CAMERA, shading=0.3), 0.03, seed=1, levels=14)
-    dark = replace(frames, levels=tuple(replace(one, darks=()) for one in frames.levels))
-    known, unknown = (characterized(one).verdict.sentences for one in (frames, dark))
+    both = frames, without_darks(frames)
+    known, unknown = (characterized(one).verdict.sentences for one in both)
     assert any("scaled to one mean before" in one for one in known)
     assert any("is not known" in one for one in unknown)
 
@@ -306,10 +322,8 @@ def test_read_noise_behind_a_clipped_black_level_is_that_of_the_flats(tmp_path):
     assert plane.dark_noise_e is plane.black_level_dn is plane.dsnu_e is None
     (plane,) = cn.characterize(stated(folder, "black_level_dn = 0")).planes
     assert plane.black_level_dn == 0.0
-    assert abs(plane.dark_noise_e - 5.0) < 4 * plane.dark_noise_e_se
+    assert_within_errors(plane, dark_noise_e=5.0, gain_dn_per_e=0.8, qe=0.6, full_well_e=4500.0)
     assert plane.dark_noise_e_se < 2.0
-    for name, true in (("gain_dn_per_e", 0.8), ("qe", 0.6), ("full_well_e", 4500.0)):
-        assert abs(getattr(plane, name) - true) < 4 * getattr(plane, f"{name}_se"), name
     assert plane.linearity_error_percent < 0.5
 
 
@@ -332,18 +346,16 @@ def test_flats_alone_give_the_read_noise_above_a_stated_black_level(tmp_path, by
     folder = frames_of(tmp_path / "f", levels=24)
     if by == "list":
         stated(folder, "black_level_dn = 100")
-    frames = read_frame_set([folder])
-    levels = [replace(one, darks=()) for one in frames.levels]
+    frames = without_darks(read_frame_set([folder]))
     if by == "file":
-        levels = [
+        levels = (
             replace(one, flats=tuple(replace(f, black_level_dn=100.0) for f in one.flats))
-            for one in levels
-        ]
-    (plane,) = characterized(replace(frames, levels=tuple(levels))).planes
+            for one in frames.levels
+        )
+        frames = replace(frames, levels=tuple(levels))
+    (plane,) = characterized(frames).planes
     assert plane.black_level_dn == 100.0
-    assert abs(plane.dark_noise_e - 17**0.5) < 4 * plane.dark_noise_e_se
-    assert abs(plane.qe - 0.6) < 4 * plane.qe_se
-    assert abs(plane.full_well_e - 4500) < 4 * plane.full_well_e_se
+    assert_within_errors(plane, dark_noise_e=17**0.5, qe=0.6, full_well_e=4500.0)
 
 
 def test_the_list_overrides_the_black_level_of_a_file_with_a_note(tmp_path):
@@ -394,9 +406,8 @@ def test_codes_stored_as_multiples_give_the_values_of_the_codes(tmp_path, step, 
 )
 def test_each_value_of_a_virtual_camera_is_found_within_its_error(found, name, true):
     (plane,) = found.planes
-    value, error = getattr(plane, name), getattr(plane, f"{name}_se")
-    assert abs(value - true) < 4 * error
-    assert error < 0.08 * true
+    assert_within_errors(plane, **{name: true})
+    assert getattr(plane, f"{name}_se") < 0.08 * true
 
 
 def test_an_ideal_camera_follows_the_linear_model(found):
@@ -473,7 +484,7 @@ def test_prnu_of_each_plane_is_found_where_all_codes_end_at_the_top(tmp_path):
     )
     found = cn.characterize(frames_of(tmp_path / "f", camera, levels=24))
     for plane in found.planes:
-        assert plane.prnu == pytest.approx(0.02, abs=5 * plane.prnu_se)
+        assert_within_errors(plane, prnu=0.02)
         assert plane.prnu_se < 0.004
 
 
@@ -496,10 +507,8 @@ def test_frames_of_one_npz_are_told_apart(tmp_path):
 
 def test_without_darks_gain_is_found_and_the_rest_is_unknown(tmp_path):
     folder = frames_of(tmp_path / "f")
-    frames = read_frame_set([folder])
-    lit = replace(frames, levels=tuple(replace(one, darks=()) for one in frames.levels))
-    (plane,) = characterized(lit).planes
-    assert plane.gain_dn_per_e == pytest.approx(0.8, abs=4 * plane.gain_dn_per_e_se)
+    (plane,) = characterized(without_darks(read_frame_set([folder]))).planes
+    assert_within_errors(plane, gain_dn_per_e=0.8)
     assert plane.dark_noise_e is plane.dsnu_e is plane.row_noise_e is None
 
 
@@ -521,25 +530,37 @@ def test_small_planes_and_clipped_darks_are_named(tmp_path, changes, word):
     assert any(word in one for one in (*found.notes, *found.verdict.sentences))
 
 
-def test_planes_of_a_mosaic_are_told_apart(tmp_path):
-    camera = replace(CAMERA, mosaic="RG/GB", shape=(160, 200), sensitivity=(0.5, 1.0, 0.8))
-    found = cn.characterize(frames_of(tmp_path / "f", camera))
-    assert [plane.name for plane in found.planes] == ["R", "G1", "G2", "B"]
-    qe = np.array([plane.qe for plane in found.planes])
+def test_planes_of_a_mosaic_are_told_apart(of_mosaic):
+    assert [plane.name for plane in of_mosaic.planes] == ["R", "G1", "G2", "B"]
+    qe = np.array([plane.qe for plane in of_mosaic.planes])
     assert qe / 0.6 == pytest.approx([0.5, 1.0, 1.0, 0.8], rel=0.03)
-    assert np.abs(found.correlation - np.eye(4)).max() < 5 / (80 * 100) ** 0.5
+    assert np.abs(of_mosaic.correlation - np.eye(4)).max() < 5 / (120 * 160) ** 0.5
 
 
-def test_predicted_variance_through_a_matrix_is_the_measured_one(tmp_path):
-    camera = replace(CAMERA, mosaic="RG/GB", shape=(240, 320), sensitivity=(0.5, 1.0, 0.8))
-    found = cn.characterize(frames_of(tmp_path / "f", camera))
+def test_predicted_variance_through_a_matrix_is_the_measured_one(of_mosaic):
     to_xyz = np.array([[0.7, 0.2, 0.1], [0.3, 0.9, -0.2], [0.0, -0.3, 1.2]])
-    check = variance_through(found, to_xyz, ("R", "G", "B"))
+    check = variance_through(of_mosaic, to_xyz, ("R", "G", "B"))
     assert check.measured.shape == (14, 3)
     assert np.abs(check.mean_error).max() < 0.01
     assert (check.names, sum(check.fitted) > 3) == (("1", "2", "3"), True)
     with refused_input(subject="matrix", value=("R", "G", "C")):
-        variance_through(found, to_xyz, ("R", "G", "C"))
+        variance_through(of_mosaic, to_xyz, ("R", "G", "C"))
+
+
+def test_a_matrix_of_white_balanced_raw_weighs_each_channel_by_its_white(of_mosaic):
+    given = GivenMatrix(source="m.csv", kind="balanced", target="sRGB", values=np.eye(3))
+    check = variance_through_file(of_mosaic, given)
+    assert check.names == ("R", "G", "B")
+    k = max(i for i, fitted in enumerate(check.fitted) if fitted)
+    electrons = [  # of the cell: two greens are averaged, so that their noise is that of the sum
+        sum(
+            (plane.levels[k].mean_dn - plane.levels[k].dark_mean_dn) / plane.gain_dn_per_e
+            for plane in of_mosaic.planes
+            if plane.name.startswith(name)
+        )
+        for name in "RGB"
+    ]
+    assert check.predicted[k] == pytest.approx(1 / np.array(electrons), rel=0.1)  # read noise
 
 
 # ---- stopped runs ----
@@ -596,21 +617,3 @@ FLAT = noise((20, 20), pixel=3.0, mean=400.0)
 def test_frames_that_give_no_photon_transfer_are_refused(given, fields):
     with refused_input(**fields):
         characterized(frame_set(given))
-
-
-def test_a_matrix_of_white_balanced_raw_weighs_each_channel_by_its_white(tmp_path):
-    camera = replace(CAMERA, mosaic="RG/GB", shape=(120, 160), sensitivity=(0.25, 1.0, 0.5))
-    found = cn.characterize(frames_of(tmp_path / "f", camera))
-    given = GivenMatrix(source="m.csv", kind="balanced", target="sRGB", values=np.eye(3))
-    check = variance_through_file(found, given)
-    assert check.names == ("R", "G", "B")
-    k = max(i for i, fitted in enumerate(check.fitted) if fitted)
-    electrons = [  # of the cell: two greens are averaged, so that their noise is that of the sum
-        sum(
-            (plane.levels[k].mean_dn - plane.levels[k].dark_mean_dn) / plane.gain_dn_per_e
-            for plane in found.planes
-            if plane.name.startswith(name)
-        )
-        for name in "RGB"
-    ]
-    assert check.predicted[k] == pytest.approx(1 / np.array(electrons), rel=0.1)  # read noise

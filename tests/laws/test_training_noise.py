@@ -10,7 +10,7 @@ from numba import vectorize
 from scipy import stats
 from scipy.special import ndtr
 
-import chromanoise as cn
+from chromanoise.apps.training import sampler
 from chromanoise.apps.training.training_kernels import count_by_table, tail_scores
 from chromanoise.apps.training.training_noise import counted_below_e
 from chromanoise.apps.training.unprocessing import AddCameraNoise, NoisyDataset
@@ -85,6 +85,15 @@ def randomized_p(found, codes, below, rng):
     return stats.kstest(share, "uniform").pvalue
 
 
+def codes_of(law, light, seed):
+    sample = sampler(mono(**law), seed=seed)(light, unit="electron", item=seed)
+    return np.rint(sample.noisy.astype(np.float64) * law["gain"] + law["black"]).astype(int)
+
+
+def p_of_codes(codes, mean, law, rng):
+    return randomized_p(codes.ravel(), *code_law(float(np.float32(mean)), **law), rng)
+
+
 def p_of_setting(number, draws, largest_mean=5000, *, series=16):
     rng = np.random.default_rng([series, number])
     mean = float(np.exp(rng.uniform(np.log(0.05), np.log(largest_mean))))
@@ -95,13 +104,9 @@ def p_of_setting(number, draws, largest_mean=5000, *, series=16):
     }
     middle = law["black"] + law["gain"] * mean
     law["top"] = int(rng.choice([4095, max(law["black"] + 20, middle + 10), 65535]))
-    add_noise = cn.apps.training.sampler(mono(**law), seed=number)
     side = int(np.sqrt(draws))
     light = np.full((side, draws // side), mean)
-    noisy = add_noise(light, unit="electron", item=number).noisy.ravel().astype(np.float64)
-    found = np.rint(noisy * law["gain"] + law["black"]).astype(int)
-    mean32 = float(np.float32(mean))
-    return randomized_p(found, *code_law(mean32, **law), rng)
+    return p_of_codes(codes_of(law, light, number), mean, law, rng)
 
 
 def test_codes_follow_the_exact_rounded_clipped_law():
@@ -181,11 +186,8 @@ def test_tails_are_the_quantiles_of_tukey_lambda_within_a_millionth(shape):
 @pytest.mark.parametrize("mean", [0.0, 0.4, 3.0, 15.0])
 def test_codes_of_few_electrons_follow_the_exact_law(mean, read_e):
     law = {"gain": 1.7, "read_e": read_e, "black": 64.0, "top": 4095}
-    light = np.full((400, 500), mean)
-    noisy = cn.apps.training.sampler(mono(**law), seed=3)(light, unit="electron").noisy
-    found = np.rint(noisy.astype(np.float64).ravel() * 1.7 + 64).astype(int)
-    rng = np.random.default_rng(0)
-    assert randomized_p(found, *code_law(mean, **law), rng) > 1e-3
+    found = codes_of(law, np.full((400, 500), mean), seed=3)
+    assert p_of_codes(found, mean, law, np.random.default_rng(0)) > 1e-3
 
 
 @pytest.mark.parametrize("read_e", [1.0, 0.5])
@@ -194,18 +196,15 @@ def test_low_values_among_high_ones_follow_the_exact_law(every, read_e):
     law = {"gain": 1.7, "read_e": read_e, "black": 64.0, "top": 4095}
     light = np.full((1000, 4000), 90.0)
     light[:, ::every] = 6.3
-    noisy = cn.apps.training.sampler(mono(**law), seed=3)(light, unit="electron").noisy
-    found = np.rint(noisy.astype(np.float64) * 1.7 + 64).astype(int)
-    rng = np.random.default_rng(0)
-    for values, mean in ((found[:, ::every], float(np.float32(6.3))), (found[:, 1::every], 90.0)):
-        chosen = values.ravel()[:400_000]
-        assert randomized_p(chosen, *code_law(mean, **law), rng) > 1e-3
+    found, rng = codes_of(law, light, seed=3), np.random.default_rng(0)
+    for values, mean in ((found[:, ::every], 6.3), (found[:, 1::every], 90.0)):
+        assert p_of_codes(values.ravel()[:400_000], mean, law, rng) > 1e-3
 
 
 @pytest.mark.parametrize("shape", [-0.25, -0.1, 0.0, 0.14, 0.5])
 def test_read_noise_with_tails_is_tukey_lambda_of_the_stated_variance(shape):
     camera = mono(read_e=3.0, tail_lambda=(shape,))
-    add_noise = cn.apps.training.sampler(camera, **(OFF | {"read": True}), seed=4)
+    add_noise = sampler(camera, **(OFF | {"read": True}), seed=4)
     noise = add_noise(np.full((400, 500), 50.0), unit="electron").noisy.ravel() - 50.0
     scale = 3.0 / np.sqrt(stats.tukeylambda.var(shape))
     law = stats.tukeylambda(shape, scale=scale).cdf
@@ -218,14 +217,14 @@ def test_read_noise_with_tails_is_tukey_lambda_of_the_stated_variance(shape):
 @pytest.mark.parametrize("black", [64.0, 511.7])
 def test_the_mean_of_a_dark_frame_is_the_black_level(read_e, black):
     camera = mono(gain=0.8, read_e=read_e, black=black, dark_current_e_per_s=40.0)
-    add_noise = cn.apps.training.sampler(camera, seed=2)
+    add_noise = sampler(camera, seed=2)
     frame = add_noise(np.zeros((1500, 2000)), unit="electron", time_s=0.5)
     mean_dn = frame.noisy.mean(dtype=np.float64) * 0.8
     assert abs(mean_dn) < 0.01 + 4 * np.sqrt(frame.variance[0, 0] * 0.64 / 3e6)
 
 
 def test_the_mean_of_a_dark_frame_without_dark_electrons_is_within_a_hundredth_of_a_code():
-    add_noise = cn.apps.training.sampler(mono(read_e=2.0), seed=2)
+    add_noise = sampler(mono(read_e=2.0), seed=2)
     frame = add_noise(np.full((1500, 2000), 64.0), unit="dn")
     assert abs(frame.noisy.mean(dtype=np.float64) - 64.0) < 0.01
     assert (frame.noisy == np.rint(frame.noisy)).all()
@@ -252,7 +251,7 @@ def test_the_variance_is_that_of_the_samples_for_each_channel(unit):
         "dn": light * gain + black,
         "white": light * gain / (16383.0 - black),
     }[unit]
-    add_noise = cn.apps.training.sampler(camera, seed=9)
+    add_noise = sampler(camera, seed=9)
     mean, variance, result = moments_over(add_noise, clean, 400, unit=unit, time_s=1.0)
     groups = channel * 2 + (light > 100)
     for group in range(6):
@@ -265,7 +264,7 @@ def test_the_variance_is_that_of_the_samples_for_each_channel(unit):
 
 def test_exact_moments_are_those_of_clipped_and_rounded_samples():
     camera = mono(gain=0.7, read_e=1.2, black=1.0, top=19.0, prnu=0.03, dsnu_e=0.5)
-    add_noise = cn.apps.training.sampler(camera, seed=5)
+    add_noise = sampler(camera, seed=5)
     clean = np.repeat([0.0, 3.0, 24.0], 200)[None, :]
     exact = add_noise.exact_moments(clean, unit="electron")
     mean, variance, _ = moments_over(add_noise, clean, 500, unit="electron")
@@ -279,7 +278,7 @@ def test_exact_moments_are_those_of_clipped_and_rounded_samples():
 
 
 def test_exact_moments_without_clipping_have_the_stated_variance():
-    add_noise = cn.apps.training.sampler(color(**FULL), clamp=False)
+    add_noise = sampler(color(**FULL), clamp=False)
     clean = np.full((2, 2), 300.0)
     how = {"unit": "white", "time_s": 2.0}
     exact = add_noise.exact_moments(clean / 16383, **how)
@@ -309,14 +308,14 @@ def test_each_switch_removes_its_own_part_of_the_variance(part, expected):
     camera = mono(read_e=3.0, **FULL)
     clean = np.full((1, 1), 400.0)
     how = {"unit": "electron", "time_s": 2.0}
-    all_on = cn.apps.training.sampler(camera)(clean, **how).variance[0, 0]
-    without = cn.apps.training.sampler(camera, **{part: False})(clean, **how).variance[0, 0]
+    all_on = sampler(camera)(clean, **how).variance[0, 0]
+    without = sampler(camera, **{part: False})(clean, **how).variance[0, 0]
     assert all_on - without == pytest.approx(expected, abs=1e-3)
 
 
 def test_without_any_part_the_picture_stays_as_it_is():
     clean = np.random.default_rng(1).uniform(0, 900, (6, 8)).astype(np.float32)
-    sample = cn.apps.training.sampler(color(**FULL), **OFF)(clean, unit="electron")
+    sample = sampler(color(**FULL), **OFF)(clean, unit="electron")
     np.testing.assert_allclose(sample.noisy, clean, rtol=1e-6)
     assert not sample.variance.any()
 
@@ -324,7 +323,7 @@ def test_without_any_part_the_picture_stays_as_it_is():
 @pytest.mark.parametrize("part", ["read", "dark", "prnu", "dsnu", "row", "column", "telegraph"])
 def test_one_part_alone_has_its_own_variance(part):
     camera = mono(read_e=3.0, **FULL)
-    add_noise = cn.apps.training.sampler(camera, **(OFF | {part: True}), seed=8)
+    add_noise = sampler(camera, **(OFF | {part: True}), seed=8)
     sample = add_noise(np.full((800, 900), 400.0), unit="electron", time_s=2.0)
     draws, kurtosis = (
         {"row": 800, "column": 900}.get(part, 720_000),
@@ -338,7 +337,7 @@ def test_one_part_alone_has_its_own_variance(part):
 
 def test_channels_of_a_pixel_share_the_offset_of_their_row_and_have_own_column_offsets():
     camera, clean = color(row_noise_e=4.0, column_noise_e=3.0), np.full((900, 1000, 3), 100.0)
-    parts = [cn.apps.training.sampler(camera, **(OFF | {part: True})) for part in ("row", "column")]
+    parts = [sampler(camera, **(OFF | {part: True})) for part in ("row", "column")]
     rows, columns = (one(clean, unit="electron").noisy.astype(float) - 100 for one in parts)
     assert not np.ptp(rows, axis=(1, 2)).any()
     assert not np.ptp(columns, axis=0).any()
@@ -351,10 +350,8 @@ def test_switching_a_source_leaves_the_words_of_the_others():
     clean = np.full((30, 40), 5.0)
     how = {"unit": "electron", "time_s": 0.0}
     plain = {"quantize": False, "clamp": False}
-    both = cn.apps.training.sampler(mono(read_e=3.0, **FULL), **plain)(clean, **how).noisy
-    no_row = cn.apps.training.sampler(mono(read_e=3.0, **FULL), row=False, **plain)(
-        clean, **how
-    ).noisy
+    both = sampler(mono(read_e=3.0, **FULL), **plain)(clean, **how).noisy
+    no_row = sampler(mono(read_e=3.0, **FULL), row=False, **plain)(clean, **how).noisy
     difference = both - no_row
     np.testing.assert_allclose(difference, difference[:, :1] * np.ones((1, 40)), atol=1e-5)
     assert difference.std() > 0.5
@@ -363,10 +360,10 @@ def test_switching_a_source_leaves_the_words_of_the_others():
 def test_clamped_codes_end_at_zero_and_at_the_full_well():
     camera = mono(read_e=30.0, black=10.0, top=4095.0, full_well_e=1000.0)
     clean = np.array([[0.0, 1000.0]]) * np.ones((400, 1))
-    sample = cn.apps.training.sampler(camera)(clean, unit="electron")
+    sample = sampler(camera)(clean, unit="electron")
     assert sample.noisy.min() == -10.0
     assert sample.noisy.max() == 1000.0
-    free = cn.apps.training.sampler(camera, clamp=False)(clean, unit="electron")
+    free = sampler(camera, clamp=False)(clean, unit="electron")
     assert free.noisy.min() < -20
     assert free.noisy.max() > 1020
 
@@ -381,10 +378,10 @@ def _noisy_bytes(job):
 
 def test_the_bits_do_not_depend_on_workers_order_or_threads():
     clean = np.random.default_rng(2).uniform(0, 300, (500, 700)).astype(np.float32)
-    add_noise = cn.apps.training.sampler(color(**FULL), seed=11, threads=1)
+    add_noise = sampler(color(**FULL), seed=11, threads=1)
     jobs = [(add_noise, clean, item) for item in (5, 1, 9, 3)]
     alone = [_noisy_bytes(job) for job in jobs]
-    threaded = cn.apps.training.sampler(color(**FULL), seed=11, threads=3)
+    threaded = sampler(color(**FULL), seed=11, threads=3)
     assert [_noisy_bytes((threaded, clean, item)) for item in (5, 1, 9, 3)] == alone
     with ThreadPoolExecutor(3) as pool:
         assert list(pool.map(_noisy_bytes, jobs[::-1])) == alone[::-1]
@@ -396,7 +393,7 @@ def test_the_bits_do_not_depend_on_workers_order_or_threads():
 def test_items_and_seeds_are_independent_and_the_fixed_pattern_is_not():
     camera = mono(read_e=1.0, prnu=0.05)
     clean = np.full((200, 300), 1000.0)
-    add_noise = cn.apps.training.sampler(camera, seed=1)
+    add_noise = sampler(camera, seed=1)
 
     def correlation(one, other):
         return np.corrcoef(one.noisy.ravel(), other.noisy.ravel())[0, 1]
@@ -406,18 +403,18 @@ def test_items_and_seeds_are_independent_and_the_fixed_pattern_is_not():
     same = correlation(first, add_noise(clean, unit="electron", item=1))
     assert same == pytest.approx(expected, abs=0.02)
     other_sensor = add_noise(clean, unit="electron", item=0, pattern=1)
-    no_pattern = cn.apps.training.sampler(camera, seed=1, prnu=False)
+    no_pattern = sampler(camera, seed=1, prnu=False)
     for item in (1, 2**32, 2**47):
         pair = [no_pattern(clean, unit="electron", item=i) for i in (0, item)]
         assert abs(correlation(*pair)) < 5 / np.sqrt(60_000)
-    seeded = cn.apps.training.sampler(camera, seed=2**63, prnu=False)(clean, unit="electron")
+    seeded = sampler(camera, seed=2**63, prnu=False)(clean, unit="electron")
     assert abs(correlation(no_pattern(clean, unit="electron"), seeded)) < 5 / np.sqrt(60_000)
     assert correlation(first, other_sensor) < 0.5  # the same shot noise, another pattern
 
 
 def test_a_crop_has_the_mosaic_and_the_fixed_pattern_of_its_place():
     camera = color(prnu=0.05, dsnu_e=4.0)
-    pattern = cn.apps.training.sampler(camera, **(OFF | {"prnu": True, "dsnu": True}))
+    pattern = sampler(camera, **(OFF | {"prnu": True, "dsnu": True}))
     clean = np.full((20, 30), 500.0)
     whole = pattern(clean, unit="dn")
     crop = pattern(clean[3:11, 5:20], unit="dn", origin=(3, 5))
@@ -426,7 +423,7 @@ def test_a_crop_has_the_mosaic_and_the_fixed_pattern_of_its_place():
 
 
 def test_a_sampler_survives_pickling():
-    add_noise = cn.apps.training.sampler(color(**FULL), seed=3)
+    add_noise = sampler(color(**FULL), seed=3)
     clean = np.full((4, 6), 20.0)
     add_noise(clean, unit="electron", time_s=1.0)
     again = pickle.loads(pickle.dumps(add_noise))
@@ -437,7 +434,7 @@ def test_a_sampler_survives_pickling():
 def test_channels_last_pictures_have_the_noise_of_their_channel():
     camera = color()
     clean = np.full((200, 300, 3), 100.0)
-    sample = cn.apps.training.sampler(camera)(clean, unit="electron")
+    sample = sampler(camera)(clean, unit="electron")
     result = 100.0 + np.array([36.0, 9.0, 4.0]) + 1 / 12 / np.array([0.25, 1.0, 4.0])
     np.testing.assert_allclose(sample.variance[0, 0], result, rtol=1e-6)
     np.testing.assert_allclose(sample.noisy.var(axis=(0, 1)), result, rtol=5 * (2 / 60_000) ** 0.5)
@@ -448,7 +445,7 @@ def test_channels_last_pictures_have_the_noise_of_their_channel():
 
 def test_the_gain_follows_the_iso_and_read_noise_its_law():
     camera = mono(gain=0.5, iso=100, read_noise_law=ReadNoiseSum(after_gain_dn=3, before_gain_e=2))
-    add_noise = cn.apps.training.sampler(camera, shot=False, quantize=False)
+    add_noise = sampler(camera, shot=False, quantize=False)
     sample = add_noise(np.full((1, 1), 50.0), unit="electron", iso=650)
     assert sample.camera.gain_dn_per_e[0] == pytest.approx(3.25)
     assert sample.variance[0, 0] == pytest.approx((3 / 3.25) ** 2 + 4)
@@ -457,7 +454,7 @@ def test_the_gain_follows_the_iso_and_read_noise_its_law():
 def test_items_draw_the_logarithm_of_the_gain_uniformly():
     law = LogLinearNoise(slope=1.0, bias=0.0)
     camera = mono(gain=1.0, read_noise_law=law, gain_range_dn_per_e=(0.5, 8.0))
-    add_noise = cn.apps.training.sampler(camera)
+    add_noise = sampler(camera)
     clean = np.zeros((1, 1))
     drawn = [add_noise(clean, unit="electron", item=i).camera.gain_dn_per_e[0] for i in range(300)]
     share = (np.log(drawn) - np.log(0.5)) / np.log(16)
@@ -468,7 +465,7 @@ def test_items_draw_the_logarithm_of_the_gain_uniformly():
 
 
 def refused_call(camera=None, clean=None, *, switches=None, **how):
-    add_noise = cn.apps.training.sampler(camera or mono(), **(switches or {}))
+    add_noise = sampler(camera or mono(), **(switches or {}))
     add_noise(np.zeros((2, 2)) if clean is None else clean, **({"unit": "electron"} | how))
 
 
@@ -507,11 +504,9 @@ def test_bad_calls_name_the_parameter():
     with refused_input(subject="clean", value=(4, 4)):
         refused_call(replace(color(), mosaic=None), clean=np.zeros((4, 4)))
     with refused_input(subject="seed", value=-1):
-        cn.apps.training.sampler(mono(), seed=-1)
+        sampler(mono(), seed=-1)
     with refused_input(subject="exact_moments"):
-        cn.apps.training.sampler(mono(tail_lambda=(0.1,))).exact_moments(
-            np.zeros((1, 1)), unit="electron"
-        )
+        sampler(mono(tail_lambda=(0.1,))).exact_moments(np.zeros((1, 1)), unit="electron")
     with refused_input(subject="time_s", value=2000.0):
         refused_call(mono(full_well_e=900.0, dark_current_e_per_s=1000.0), time_s=2.0)
 
@@ -519,13 +514,10 @@ def test_bad_calls_name_the_parameter():
 def test_telegraph_noise_is_switched_off_by_the_old_keyword_too_with_a_warning():
     camera = mono(rtn_share=0.5, rtn_amplitude_e=40.0)
     with pytest.warns(FutureWarning, match="levels is now telegraph"):
-        old = cn.apps.training.sampler(camera, levels=False)
-    assert old == cn.apps.training.sampler(camera, telegraph=False)
+        old = sampler(camera, levels=False)
+    assert old == sampler(camera, telegraph=False)
     clean = np.full((4, 4), 100.0)
-    lit = [
-        one(clean, unit="electron").variance[0, 0]
-        for one in (cn.apps.training.sampler(camera), old)
-    ]
+    lit = [one(clean, unit="electron").variance[0, 0] for one in (sampler(camera), old)]
     assert lit[0] - lit[1] == pytest.approx(0.5 * 20.0**2, rel=1e-6)
 
 
@@ -534,9 +526,9 @@ def test_telegraph_noise_is_switched_off_by_the_old_keyword_too_with_a_warning()
 
 def test_without_pytorch_a_sentence_says_how_to_install_it(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "torch", None)
-    noise = cn.apps.training.sampler(mono())
+    noise = sampler(mono())
     for make in (lambda: NoisyDataset([np.zeros((2, 2))], noise, unit="dn"),
-                 lambda: AddCameraNoise(cn.apps.training.sampler(mono()), unit="dn")):  # fmt: skip
+                 lambda: AddCameraNoise(sampler(mono()), unit="dn")):  # fmt: skip
         with refused_input(subject="a data set of PyTorch") as caught:
             make()
         assert "chromanoise[torch]" in str(caught.value)
@@ -546,7 +538,7 @@ def test_without_pytorch_a_sentence_says_how_to_install_it(monkeypatch):
 def test_a_data_set_gives_the_same_tensors_with_any_number_of_workers(workers):
     torch = pytest.importorskip("torch", reason="PyTorch, an extra, is not installed")
     pictures = [np.full((8, 10), 20.0 * (i + 1), np.float32) for i in range(5)]
-    add_noise = cn.apps.training.sampler(color(), seed=6)
+    add_noise = sampler(color(), seed=6)
     data = NoisyDataset(pictures, add_noise, unit="electron", repeats=2)
     loader = torch.utils.data.DataLoader(data, batch_size=5, num_workers=workers)
     noisy, clean, variance = (torch.cat(parts) for parts in zip(*loader, strict=True))
@@ -560,7 +552,7 @@ def test_a_data_set_gives_the_same_tensors_with_any_number_of_workers(workers):
 
 def test_the_transform_takes_channels_first():
     torch = pytest.importorskip("torch", reason="PyTorch, an extra, is not installed")
-    add_noise = cn.apps.training.sampler(color(), seed=6)
+    add_noise = sampler(color(), seed=6)
     transform = AddCameraNoise(add_noise, unit="electron")
     noisy, variance = transform(torch.full((3, 4, 5), 100.0))
     expected = add_noise(np.full((4, 5, 3), 100.0), unit="electron")
