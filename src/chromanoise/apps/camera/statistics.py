@@ -535,14 +535,9 @@ class FixedPattern:
     inner_counts: Integer[Array, "n"]
 
     @property
-    def mean(self) -> float:
-        """Mean of the pixels. [DN]"""
-        return _moments(self.values, self.counts)[0]
-
-    @property
-    def variance(self) -> float:
-        """Variance of the pixels. [DN^2]"""
-        return _moments(self.values, self.counts)[1]
+    def whole(self) -> tuple[float, float]:
+        """Mean and variance of the pixels. [DN], [DN^2]"""
+        return _moments(self.values, self.counts)
 
     @property
     def inner(self) -> tuple[float, float]:
@@ -629,17 +624,16 @@ def spatial_variance(
     EMVA 1288, release 4.0: s^2 = s^2 measured - sigma^2 / L for L frames; the filter is that of its
     section on PRNU.
     """
-    frames, measured, (rows, columns) = pattern.frames, pattern.variance, pattern.shape
-    filtered = high_pass and pattern.high_passed is not None
-    mean, removed = pattern.mean / frames, 0.0
+    frames, (mean, measured), (rows, columns) = pattern.frames, pattern.whole, pattern.shape
+    filtered, removed = high_pass and pattern.high_passed is not None, 0.0
     white, shared = _kept() if filtered else (1.0, 1.0)
     rest = max(sample.rest_dn2, 0.0)
     if high_pass and pattern.high_passed is not None:
         measured, (rows, columns) = pattern.high_passed
-        mean = pattern.inner[0] / frames
-        removed = max(pattern.inner[1] - measured / white, 0.0) / frames**2
+        mean, inner = pattern.inner
+        removed = max(inner - measured / white, 0.0) / frames**2
         if dark is not None and sample.mean_dn > dark.mean_dn:
-            of_light = (mean - dark.mean_dn) / (sample.mean_dn - dark.mean_dn)
+            of_light = (mean / frames - dark.mean_dn) / (sample.mean_dn - dark.mean_dn)
             rest = max(dark.rest_dn2 + of_light * (sample.rest_dn2 - dark.rest_dn2), 0.0)
     measured /= frames**2
     of_rows, of_columns = (max(part, 0.0) for part in (sample.row_dn2, sample.column_dn2))
@@ -653,7 +647,7 @@ def spatial_variance(
     return SpatialVariance(
         variance_dn2=(measured - temporal) / white,
         se_dn2=math.sqrt(error2) / white,
-        mean_dn=mean,
+        mean_dn=mean / frames,
         removed_dn2=removed,
         filtered=filtered,
     )

@@ -7,16 +7,26 @@ level and method. By default the cameras, scenes and light levels are those of t
 import time
 import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, field, replace
+from dataclasses import field, replace
 from functools import cache, partial
 from itertools import product
-from math import inf, isfinite
+from math import inf
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, Integer, Setting, UInt8, dataclass
+from chromanoise.base import (
+    Array,
+    Float,
+    Float32,
+    InputError,
+    Integer,
+    Setting,
+    UInt8,
+    dataclass,
+    plain,
+)
 from chromanoise.color import (
     ColorMatrix,
     adapted_to_d65,
@@ -388,33 +398,26 @@ class BenchmarkCell:
     @property
     def record(self) -> dict[str, Any]:
         """The cell as JSON data; a number that is not finite is null."""
-        quality = _plain(asdict(self.quality))
-        after = self.demosaicked_quality
-        return {
-            "scene": self.scene,
-            "sensor": self.sensor,
-            "lux": self.lux,
-            "method": self.method,
-            "psnr": quality.pop("psnr_db"),
-            **quality,
-            "seconds": self.seconds,
-            "seed": self.seed,
-            "true_ciede2000_mean": _plain(self.true_ciede2000_mean),
-            "snr_y_db": _plain(self.snr_y_db),
-            "to_demosaicked": None if after is None else _plain(asdict(after)),
-            "flats": None if self.flats is None else _plain(asdict(self.flats)),
-            "edges": {
-                name: None if edge is None else _plain(asdict(edge))
-                for name, edge in self.edges.items()
-            },
-            "settings": dict(self.settings),
-        }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
-    return None if isinstance(value, float) and not isfinite(value) else value
+        quality = plain(self.quality)
+        data: dict[str, Any] = plain(
+            {
+                "scene": self.scene,
+                "sensor": self.sensor,
+                "lux": self.lux,
+                "method": self.method,
+                "psnr": quality.pop("psnr_db"),
+                **quality,
+                "seconds": self.seconds,
+                "seed": self.seed,
+                "true_ciede2000_mean": self.true_ciede2000_mean,
+                "snr_y_db": self.snr_y_db,
+                "to_demosaicked": self.demosaicked_quality,
+                "flats": self.flats,
+                "edges": self.edges,
+                "settings": self.settings,
+            }
+        )
+        return data
 
 
 def benchmark_cells(

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Polygon, Rectangle
 
 from chromanoise.apps.paper.printed_numbers import RGB_12, RGBW_12, PaperStudy
-from chromanoise.apps.paper.views import ChannelPlane, MagnifiedNoise, PaperPlanes
+from chromanoise.apps.paper.views import ChannelPlane, MagnifiedNoise, NoisyPlane, PaperPlanes
 from chromanoise.base import Array, Float, UInt8
 from chromanoise.charts import (
     FAINT,
@@ -472,24 +472,22 @@ def paper_figures(
             "figure-07-sensitivities": _sensitivities([*sensors.values()]),
             **({} if pictures is None else {"figure-08-pictures": _pictures(sensors, pictures)}),
             "figure-09-correlation": _stack(
-                [
-                    partial(draw_uncertainty, *noisy, title=title)
-                    for noisy, title in zip(planes.correlation, correlated, strict=True)
-                ]
+                _titled(draw_uncertainty, planes.correlation, correlated)
             ),
             "figure-10-color-axis": _stack(
-                [
-                    partial(draw_color_uncertainty, *noisy, title=title)
-                    for noisy, title in zip(
-                        planes.color_axis, ("Far from y: ", "Near y: "), strict=True
-                    )
-                ]
+                _titled(draw_color_uncertainty, planes.color_axis, ("Far from y: ", "Near y: "))
             ),
         }
 
 
 Draw = Callable[..., Axes]
 """Draws on the axes given as ``ax``."""
+
+
+def _titled(draw: Draw, planes: Sequence[NoisyPlane], titles: Sequence[str]) -> list[Draw]:
+    """One panel for each plane with its noise."""
+    pairs = zip(planes, titles, strict=True)
+    return [partial(draw, *noisy, title=title) for noisy, title in pairs]
 
 
 def _framed(width_in: float, height_in: float, draws: Sequence[Draw], **shared: Any) -> Figure:

@@ -7,7 +7,7 @@ exposure.
 
 from chromanoise.base import dataclass
 from chromanoise.imaging import Picture, rendered
-from chromanoise.noise import Exposure, OperatingPoint, time_to_saturation
+from chromanoise.noise import Exposure, time_to_saturation
 from chromanoise.sensor import Sensor, with_channels
 from chromanoise.spectra import (
     DEFAULT_GRID,
@@ -125,17 +125,7 @@ def paper_pictures(study: PaperStudy, *, seed: int = 0) -> tuple[Picture, Pictur
     """
     cube = checker_cube()
     first, second = (
-        rendered(
-            cube,
-            OperatingPoint(
-                sensor=analysis.sensor,
-                exposure=analysis.exposure,
-                illuminant=study.scene.illuminant,
-                level_lux=study.scene.level_lux,
-            ),
-            matrix=analysis.matrix,
-            seed=seed,
-        )
+        rendered(cube, analysis.point, matrix=analysis.matrix, seed=seed)
         for analysis in (study.columns[RGB_12], study.columns[RGBW_12])
     )
     return first, second

@@ -151,20 +151,15 @@ def _electrons_of(given, lanes, phase, first, light, n):
 def _counted_means(light, pattern, row, first, n, use, noise, counted):
     """Sensitivity of the pixels, in place; the mean of what is counted: light, dark, or both."""
     gain, dark_e = pattern[0], noise[0]
-    if gain.size > 0:
+    if not use.shot:
+        counted[:n] = dark_e
+    elif gain.size > 0:
         here = gain[row, first : first + n]
-        if use.shot:
-            for j in range(n):
-                counted[j] = light[j] * here[j] + dark_e
-        else:
-            for j in range(n):
-                counted[j] = dark_e
-    elif use.shot:
         for j in range(n):
-            counted[j] = light[j] + dark_e
+            counted[j] = light[j] * here[j] + dark_e
     else:
         for j in range(n):
-            counted[j] = dark_e
+            counted[j] = light[j] + dark_e
 
 
 @inner
