@@ -31,17 +31,12 @@ CAMERA = VirtualCamera(
 )
 
 
-@pytest.fixture(autouse=True)
-def _numpy_1_name(monkeypatch):
+@pytest.fixture(autouse=True, scope="module")
+def _numpy_1_name():
     # emva1288 1.0.2 still calls np.asfarray, which numpy 2 has dropped
-    monkeypatch.setattr(np, "asfarray", lambda a: np.asarray(a, dtype=float), raising=False)
-
-
-@pytest.fixture(scope="module")
-def frames(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("emva") / "frames"
-    photon_transfer_frames(CAMERA, folder=folder, levels=30)
-    return read_frame_set([folder])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(np, "asfarray", lambda a: np.asarray(a, dtype=float), raising=False)
+        yield
 
 
 def stacked(group):
@@ -68,9 +63,21 @@ def theirs(frames, plane):
     return results.Results1288(data.Data1288(values).data, pixel_area=1.0)
 
 
-def test_temporal_results_are_those_of_the_reference_evaluation(frames):
+def evaluated(folder, camera, levels=30):
+    """Our results and those of the reference code, of the same frames."""
+    photon_transfer_frames(camera, folder=folder / "frames", levels=levels)
+    frames = read_frame_set([folder / "frames"])
     (plane,) = characterized(frames).planes
-    other = theirs(frames, plane)
+    return plane, theirs(frames, plane)
+
+
+@pytest.fixture(scope="module")
+def usual(tmp_path_factory):
+    return evaluated(tmp_path_factory.mktemp("emva"), CAMERA)
+
+
+def test_temporal_results_are_those_of_the_reference_evaluation(usual):
+    plane, other = usual
     # emva1288 divides sums of squares by n, this code by the degrees of freedom of rows and columns
     pixels = CAMERA.shape[0] * CAMERA.shape[1]
     assert plane.gain_dn_per_e == pytest.approx(other.K, rel=3 / pixels)
@@ -85,10 +92,9 @@ def test_temporal_results_are_those_of_the_reference_evaluation(frames):
     assert plane.dark_noise_e == pytest.approx(other.sigma_d, rel=2e-3)
 
 
-def test_spatial_results_are_those_of_the_reference_evaluation(frames):
+def test_spatial_results_are_those_of_the_reference_evaluation(usual):
     """Release 3.1, which emva1288 follows, has no high-pass: without shading it changes little."""
-    (plane,) = characterized(frames).planes
-    other = theirs(frames, plane)
+    plane, other = usual
     assert plane.dsnu_e == pytest.approx(other.DSNU1288, rel=1e-3)
     assert plane.dsnu_of_own_frames_e == pytest.approx(other.DSNU1288, rel=1e-3)
     assert plane.prnu == pytest.approx(other.PRNU1288 / 100, abs=1.5 * plane.prnu_se)
@@ -96,21 +102,15 @@ def test_spatial_results_are_those_of_the_reference_evaluation(frames):
 
 def test_row_noise_of_all_darks_is_subtracted_and_both_values_of_dsnu_are_stated(tmp_path):
     camera = replace(CAMERA, dsnu_e=3.0, row_noise_e=6.0)
-    photon_transfer_frames(camera, folder=tmp_path / "f", levels=20)
-    frames = read_frame_set([tmp_path / "f"])
-    (plane,) = characterized(frames).planes
-    other = theirs(frames, plane)
+    plane, other = evaluated(tmp_path, camera, levels=20)
     true = camera.planes()[0].dsnu_of_pixels_e
     assert plane.dsnu_of_own_frames_e == pytest.approx(other.DSNU1288, rel=0.01)
     assert abs(plane.dsnu_e - true) < 4 * plane.dsnu_e_se
 
 
 def test_shading_changes_prnu_of_release_3_and_not_of_release_4(tmp_path):
-    camera = replace(CAMERA, shading=0.2)
-    photon_transfer_frames(camera, folder=tmp_path / "f", levels=30)
-    frames = read_frame_set([tmp_path / "f"])
-    (plane,) = characterized(frames).planes
-    assert 3 * CAMERA.prnu < theirs(frames, plane).PRNU1288 / 100
+    plane, other = evaluated(tmp_path, replace(CAMERA, shading=0.2))
+    assert 3 * CAMERA.prnu < other.PRNU1288 / 100
     assert plane.prnu == pytest.approx(CAMERA.prnu, abs=4 * plane.prnu_se)
 
 

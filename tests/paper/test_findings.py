@@ -10,6 +10,8 @@ import pytest
 import chromanoise as cn
 from chromanoise.apps.design.objectives import OBJECTIVES, Candidate
 from chromanoise.apps.paper import (
+    RGB_12,
+    RGBW_12,
     paper_study,
     paper_tables,
     reproduced,
@@ -38,17 +40,12 @@ def numbers(sentence):
 
 
 def test_the_verdict_tells_the_differences_of_tables_2_and_3(study, cells):
-    raw = sum(
-        cells[2, c, "RGBW_n 12 ms"].closed_form - cells[2, c, "RGB 12 ms"].closed_form
-        for c in "RGB"
-    )
-    loss = (
-        cells[3, "SNR_Y", "RGB 12 ms"].closed_form - cells[3, "SNR_Y", "RGBW_n 12 ms"].closed_form
-    )
+    raw = sum(cells[2, c, RGBW_12].closed_form - cells[2, c, RGB_12].closed_form for c in "RGB")
+    loss = cells[3, "SNR_Y", RGB_12].closed_form - cells[3, "SNR_Y", RGBW_12].closed_form
     sentence = verdict(study)
     assert f"{raw / 3:.1f} dB better in raw" in sentence
     assert f"{loss:.1f} dB worse in luminance" in sentence
-    below = study.columns["RGBW_n 12 ms"].color_snr_loss_db
+    below = study.columns[RGBW_12].color_snr_loss_db
     assert f"is {below:.1f} dB below the best linear readout" in sentence
 
 
@@ -59,7 +56,7 @@ def paper_light(study, column):
     """
     at, qe = (getattr(study.columns[column].sensor, what) for what in ("grid", "qe"))
     at = at.wavelength_nm
-    white = study.columns["RGBW_n 12 ms"].sensor.qe
+    white = study.columns[RGBW_12].sensor.qe
     per_step = at[:, None] * qe * 9_900 / (at @ white).max()
     return per_step.sum(axis=0), per_step[at <= 700].sum(axis=0)
 
@@ -94,17 +91,17 @@ def shares_by_orders(study, column):
 
 
 def test_the_verdict_tells_the_share_of_infrared_electrons(study):
-    every, visible = paper_light(study, "RGBW_n 12 ms")
+    every, visible = paper_light(study, RGBW_12)
     share = 100 * (1 - visible.sum() / every.sum())
     assert 20 < share < 80
     assert f"the {share:.0f} % of its electrons that come from beyond 700 nm" in verdict(study)
-    assert nir_share(study.columns["RGBW_n 12 ms"]) == pytest.approx(share / 100, abs=1e-12)
+    assert nir_share(study.columns[RGBW_12]) == pytest.approx(share / 100, abs=1e-12)
 
 
 def test_a_sensor_has_one_share_of_infrared_electrons_in_verdict_budget_and_search(study):
     """Of one channel, where the worst channel is all channels; 700 nm itself is visible."""
-    at = study.columns["RGBW_n 12 ms"].sensor.grid.wavelength_nm
-    qe = study.columns["RGBW_n 12 ms"].sensor.qe[:, 0]
+    at = study.columns[RGBW_12].sensor.grid.wavelength_nm
+    qe = study.columns[RGBW_12].sensor.qe[:, 0]
     share = 1 - at[at <= 700] @ qe[at <= 700] / (at @ qe)
     (analysis,) = cn.analyze("onyx-rgbw", lux=10, time_ms=12).analyses
     red = replace(analysis.sensor, qe=qe[:, None], names=("R",), mosaic=None)
@@ -120,7 +117,7 @@ def test_a_sensor_has_one_share_of_infrared_electrons_in_verdict_budget_and_sear
 
 
 def test_the_verdict_tells_what_correlation_and_infrared_cost_over_all_orders(study):
-    bare, cut = (shares_by_orders(study, c) for c in ("RGBW_n 12 ms", "RGB 12 ms"))
+    bare, cut = (shares_by_orders(study, c) for c in (RGBW_12, RGB_12))
     sentence = verdict(study)
     correlation = f"{bare['correlation']:.1f} dB ({cut['correlation']:.1f} dB behind the IR-cut)"
     assert f"unmixing its correlated channels costs {correlation}" in sentence

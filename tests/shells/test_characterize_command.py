@@ -11,17 +11,14 @@ from outcomes import refused
 
 
 @pytest.fixture
-def frames(run, tmp_path, monkeypatch):
+def frames(done, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    words = ("--mosaic", "RG/GB", "--levels", 8, "--shape", "64x80")
-    assert run("demo-frames", "-o", "frames", *words)[0] == 0
+    done("demo-frames", "-o", "frames", "--mosaic", "RG/GB", "--levels", 8, "--shape", "64x80")
     return tmp_path / "frames"
 
 
-def test_json_has_the_digits_of_the_library_and_the_keys_that_scripts_use(run, frames):
-    code, out, err = run("characterize", "frames", "--json", "-")
-    assert code == 0, err
-    data = json.loads(out)
+def test_json_has_the_digits_of_the_library_and_the_keys_that_scripts_use(done, frames):
+    data = json.loads(done("characterize", "frames", "--json", "-")[0])
     assert data == json.loads(json.dumps(cn.characterize("frames").to_dict()))
     for plane in data["planes"]:
         assert plane["gain_dn_per_e"] == pytest.approx(0.3, abs=5 * plane["gain_dn_per_e_se"])
@@ -29,9 +26,8 @@ def test_json_has_the_digits_of_the_library_and_the_keys_that_scripts_use(run, f
 
 
 @pytest.mark.evidence
-def test_the_pixel_file_is_taken_by_analyze_with_the_values_found(run, frames, tmp_path):
-    code, _, err = run("characterize", "frames", "-o", "camera")
-    assert code == 0, err
+def test_the_pixel_file_is_taken_by_analyze_with_the_values_found(done, frames, tmp_path):
+    done("characterize", "frames", "-o", "camera")
     pixel = tomllib.loads((tmp_path / "camera" / "pixel.toml").read_text())
     (analysis,) = cn.analyze("model-rgb-ircut", pixel="camera/pixel.toml").analyses
     used = analysis.sensor.pixel
@@ -40,9 +36,8 @@ def test_the_pixel_file_is_taken_by_analyze_with_the_values_found(run, frames, t
     assert analysis.sensor.converter.gain_e_per_dn == pixel["gain_e_per_dn"]
 
 
-def test_the_table_names_each_plane_and_the_verdict(run, frames):
-    code, out, _ = run("characterize", "frames")
-    assert code == 0
+def test_the_table_names_each_plane_and_the_verdict(done, frames):
+    out, _ = done("characterize", "frames")
     for part in ("G1", "gain K", "DN/e-", "PRNU", "linear model"):
         assert part in out
 
@@ -60,11 +55,10 @@ def test_a_folder_that_is_missing_or_empty_is_refused_by_name(run, tmp_path, mon
         refused(run("characterize", name), name)
 
 
-def test_frames_without_a_list_of_levels_are_grouped_by_their_names(run, frames):
+def test_frames_without_a_list_of_levels_are_grouped_by_their_names(done, frames):
     (frames / "capture.toml").unlink()
-    code, out, err = run("characterize", "frames", "--json", "-")
-    assert code == 0, err
-    (plane,) = json.loads(out)["planes"]  # no file states the mosaic
+    data = json.loads(done("characterize", "frames", "--json", "-")[0])
+    (plane,) = data["planes"]  # no file states the mosaic
     assert plane["name"] == "mono"
     assert len(plane["levels"]) == 8
     assert {level["frames"] for level in plane["levels"]} == {2}
@@ -77,13 +71,12 @@ def test_a_damaged_frame_is_named(run, frames):
 
 
 def test_a_later_run_goes_on_from_the_statistics_of_an_earlier_one(run, frames, tmp_path):
-    first = run("characterize", "frames", "--resume", "kept.json", "--json", "-")
+    words = ("characterize", "frames", "--resume", "kept.json", "--json", "-")
+    first = run(*words)
     assert len(json.loads((tmp_path / "kept.json").read_text())["lights"]) == 16
-    again = run("characterize", "frames", "--resume", "kept.json", "--json", "-")
-    assert first == again
+    assert run(*words) == first
     np.save(sorted(frames.glob("*.npy"))[0], np.zeros((64, 80), np.uint16))
-    other = run("characterize", "frames", "--resume", "kept.json", "--json", "-")
-    assert other != first
+    assert run(*words) != first
 
 
 def test_kept_statistics_that_were_changed_are_refused(run, frames, tmp_path):
@@ -155,9 +148,8 @@ def test_exchanged_frames_and_codes_beyond_the_bits_are_refused(run, frames, cha
 
 
 @pytest.mark.evidence
-def test_a_table_of_means_and_variances_gives_the_values_of_its_plane(run, frames):
-    code, _, err = run("characterize", "frames", "-o", "camera")
-    assert code == 0, err
+def test_a_table_of_means_and_variances_gives_the_values_of_its_plane(done, frames):
+    done("characterize", "frames", "-o", "camera")
     (plane,) = cn.characterize("camera/photon_transfer_R.csv").planes
     whole = cn.characterize("frames").planes[0]
     for name in ("gain_dn_per_e", "dark_noise_e", "qe", "dark_current_e_per_s"):
