@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, ClassVar, get_args, get_origin
@@ -538,15 +538,14 @@ def _value(kind: Any, value: Any, source: str, where: str) -> Any:
             return Mosaic(tuple(tuple(row) for row in value))
         except (TypeError, AttributeError):
             raise _wrong(source, where, value) from None
-    if kind in (Characterization, PlaneNoise, LevelNoise, TransferFit, ModelVerdict):
+    if isinstance(kind, type) and is_dataclass(kind):
         held = _wrong_unless(dict, value, source, where)
-        names = _PLANE_KEYS if kind is PlaneNoise else [one.name for one in fields(kind)]
-        types = {one.name: one.type for one in fields(kind) if one.name in names}
         inside = f"{where}." if where else ""
         return kind(
             **{
-                name: _value(one, held.get(name), source, f"{inside}{name}")
-                for name, one in types.items()
+                one.name: _value(one.type, held.get(one.name), source, f"{inside}{one.name}")
+                for one in fields(kind)
+                if kind is not PlaneNoise or one.name in _PLANE_KEYS
             }
         )
     if get_origin(kind) is tuple:

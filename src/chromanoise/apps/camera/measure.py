@@ -68,7 +68,7 @@ from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, read_frame_set
 from chromanoise.io.pixels import is_photon_transfer_text, read_photon_transfer_csv
 from chromanoise.sensor import Mosaic, PhotonTransfer, TransferFit, photon_transfer_fit
 
-_MADE_BY = ("chromanoise frame statistics", __version__)
+_MADE_BY = {"schema": "chromanoise frame statistics", "version": __version__}
 _MOST_BYTES = 100_000_000
 
 
@@ -96,7 +96,7 @@ def resumed(path: Path) -> Sampler:
             found = light_sample(frames, tile)
             with writing:
                 kept[key] = plain(found)
-                data = {**dict(zip(("schema", "version"), _MADE_BY, strict=True)), "lights": kept}
+                data = {**_MADE_BY, "lights": kept}
                 data["content"] = inputs.content_hash(data)
                 write_whole(path, json.dumps(data).encode())
             return found
@@ -121,7 +121,7 @@ def _key(frames: Sequence[RawFrame], tile: tuple[int, int]) -> str:
 
 def _read(path: Path) -> dict[str, Any]:
     data = inputs.json_file(path, most_bytes=_MOST_BYTES)
-    if not isinstance(data, dict) or (data.get("schema"), data.get("version")) != _MADE_BY:
+    if not isinstance(data, dict) or {name: data.get(name) for name in _MADE_BY} != _MADE_BY:
         raise InputError(
             str(path),
             f"must hold statistics of frames of version {__version__}",
