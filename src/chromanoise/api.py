@@ -1,8 +1,8 @@
 """The functions of ``import chromanoise as cn``: each builds a study and returns its results."""
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack
@@ -180,13 +180,10 @@ def card(
     """
     from chromanoise.charts import card_of, shown  # loads matplotlib
 
-    try:
-        named = _Named()
+    with _arguments_of("card") as named:
         names, rest = named.of(sensors, settings)
         study = study_of("card", names, rest, matrices=[named.matrix(matrix)])
         return card_of(shown(study, given=named.given), paper=paper)
-    except InputError as error:
-        raise in_arguments(error, "card") from error.__cause__
 
 
 @_with_listed_settings
@@ -328,9 +325,8 @@ def denoise(
     """
     from chromanoise.study import denoised_picture, prepared_denoising  # loads readers of frames
 
-    try:
+    with _arguments_of("denoise") as named:
         frames = _raw_pictures(picture, unit, shape, stored)
-        named = _Named()
         names, rest = named.of([] if sensor is None else [sensor], settings, none=True)
         plan = prepared_denoising(
             frames,
@@ -342,8 +338,6 @@ def denoise(
             given=named.given,
         )
         return denoised_picture(plan, work=Work(threads=threads))
-    except InputError as error:
-        raise in_arguments(error, "denoise") from error.__cause__
 
 
 def _raw_pictures(
@@ -414,16 +408,13 @@ def league(
     >>> best.name, round(best.color_snr_loss_db, 2)
     ('canon-eos-1ds-mark-iii', 2.57)
     """
-    named = _Named()
-    try:
+    with _arguments_of("league") as named:
         names, rest = named.of(sensors, settings, none=True)
         if not names and any(value is not None for value in rest.values()):
             need = "must name a sensor, because settings of sensors are given"
             raise InputError("sensors", need, value=0)
         study = study_of("league", names, rest) if names else None
         return league_of_study(study, iso=iso, by=by, given=named.given)
-    except InputError as error:
-        raise in_arguments(error, "league") from error.__cause__
 
 
 @_with_listed_settings
@@ -681,8 +672,7 @@ def sensitivity(
     >>> {one.parameter.name: round(one.slope["snr_y_db"], 3) for one in result.effects[2:4]}
     {'crosstalk': -0.086, 'time_s': 0.044}
     """
-    try:
-        named = _Named()
+    with _arguments_of("sensitivity") as named:
         names, rest = named.of([sensor], settings)
         return sensitivity_of(
             study_of("sensitivity", names, rest, matrices=[named.matrix(matrix)]),
@@ -694,8 +684,6 @@ def sensitivity(
             seed=seed,
             keep_matrix=keep_matrix,
         )
-    except InputError as error:
-        raise in_arguments(error, "sensitivity") from error.__cause__
 
 
 def _results(
@@ -706,13 +694,19 @@ def _results(
     cube: Any = "",
     folder: str | Path | None = None,
 ) -> Results:
-    """Results of the study of a function; errors name its arguments, not the keys of the study."""
-    try:
-        named = _Named()
+    """Results of the study of a function."""
+    with _arguments_of(function) as named:
         names, rest = named.of(sensors, settings)
         words = named.matrices(matrices)
         study = study_of(function, names, rest, matrices=words, cube=named.cube(cube))
         return run_of(study, given=named.given, folder=_folder(folder))
+
+
+@contextmanager
+def _arguments_of(function: str) -> Iterator["_Named"]:
+    """The words of a call; errors inside name its arguments, not the keys of its study."""
+    try:
+        yield _Named()
     except InputError as error:
         raise in_arguments(error, function) from error.__cause__
 
@@ -798,6 +792,7 @@ class _Named:
             one.name if isinstance(one, Sensor) else one if isinstance(one, str) else one.source
             for one in found
         ]
+        words = []
         for name, one in zip(names, found, strict=True):
             if not isinstance(one, str) and names.count(name) > 1:
                 raise InputError(
@@ -809,13 +804,7 @@ class _Named:
                     if isinstance(one, Sensor)
                     else "rename one",
                 )
-        words = []
-        for name, one in zip(names, found, strict=True):
-            if isinstance(one, Sensor):
-                self._objects[object_word(name)] = one
-                words.append(object_word(name))
-            else:
-                words.append(one if isinstance(one, str) else self._other(name, one))
+            words.append(one if isinstance(one, str) else self._other(name, one))
         return words
 
     def _setting(self, name: str, value: Any) -> Any:

@@ -6,8 +6,9 @@ The settings and cameras of the pictures are prepared before the computation.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from chromanoise.base import InputError, claimed_folder, dataclass, frozen
 from chromanoise.imaging import (
@@ -54,15 +55,13 @@ from chromanoise.study.results import (
     ComparisonMap,
     Matrices,
     MatrixResult,
+    Outcome,
     Pictures,
     Results,
     outcome_of,
 )
 from chromanoise.study.schema import PicturePart, SecondSweepPart, Study, SweepPart
 from chromanoise.study.sweeps import QUANTITIES, SWEEPS, compared, swept_values
-
-if TYPE_CHECKING:
-    from chromanoise.imaging import Camera
 
 
 def capture_settings_of(
@@ -228,39 +227,6 @@ def taken_pictures(
                 del capture  # before the next one needs memory
 
 
-def pictures_taken(
-    study: Study,
-    number: int,
-    cube: Cube,
-    cameras: Mapping[str, list[Camera]],
-    *,
-    work: Work,
-    folder: Path | None,
-) -> Pictures:
-    """All pictures of a part (from 0), in memory, or summaries of those that were written.
-
-    Raises
-    ------
-    InputError
-        As `taken_pictures`.
-    """
-    summaries, kept = [], []
-    points: dict[str, OperatingPoint] = {}
-    for one in taken_pictures(study, number, cube, cameras, work=work, folder=folder):
-        point = one.capture.camera.operating_point
-        points[point.sensor.name] = point
-        summaries.append(one.record)
-        if folder is None:
-            kept.append(one.capture)
-        del one  # before the next one needs memory
-    return Pictures(
-        cube=shown_word(study.pictures[number].cube),
-        points=tuple(points.values()),
-        summaries=tuple(summaries),
-        captures=tuple(kept),
-    )
-
-
 Makers = Mapping[str, MatrixMaker]
 Points = list[OperatingPoint]
 StepResult = Analyses | Matrices | Comparison | ComparisonMap | Pictures
@@ -327,7 +293,7 @@ def run(
     study: Study,
     *,
     given: Given = NOTHING_GIVEN,
-    work: "Work | None" = None,
+    work: Work | None = None,
     progress: Progress = no_progress,
     folder: Path | None = None,
 ) -> Results:
@@ -363,7 +329,7 @@ def run(
     return Results(study=study, points=plan.points, steps=done)
 
 
-def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: "Work | None" = None) -> RunPlan:
+def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = None) -> RunPlan:
     """The study with its names resolved and its steps in order.
 
     Parameters
@@ -422,15 +388,14 @@ def result_steps(
 def _analysis(
     study: Study, points: Points, name: str, maker: MatrixMaker, balance_light: Illuminant | None
 ) -> Step:
+    def outcome(point: OperatingPoint) -> Outcome:
+        return outcome_of(point, maker, study.outputs, balance_light=balance_light)
+
     def run(folder: Path | None, advance: Advance) -> Analyses:
-        outcomes = []
-        for point in points:
-            outcomes.append(outcome_of(point, maker, study.outputs, balance_light=balance_light))
-            advance(1)
         return Analyses(
             matrix=name,
             points=tuple(points),
-            outcomes=tuple(outcomes),
+            outcomes=_of_each(points, outcome, advance),
             outputs=study.outputs,
             prior=maker.prior,
             equal=study.exposure.equal,
@@ -444,6 +409,17 @@ def _analysis(
         run=run,
         kind=Analyses,
     )
+
+
+def _of_each(
+    points: Points, result: Callable[[OperatingPoint], Any], advance: Advance
+) -> tuple[Any, ...]:
+    """The result of each point; progress is reported after each."""
+    results = []
+    for point in points:
+        results.append(result(point))
+        advance(1)
+    return tuple(results)
 
 
 def _matrix(
@@ -465,12 +441,9 @@ def _matrix(
         return MatrixResult(point=point, matrix=made, report=report, white_e=white_e, pareto=curve)
 
     def run(folder: Path | None, advance: Advance) -> Matrices:
-        results = []
         prior = prior_of(study, given)
-        for point in points:
-            results.append(result(point, prior))
-            advance(1)
-        return Matrices(method=name, results=tuple(results))
+        results = _of_each(points, lambda point: result(point, prior), advance)
+        return Matrices(method=name, results=results)
 
     return Step(
         name=f"matrix-{file_word(name)}",
@@ -515,7 +488,7 @@ def _sweep(study: Study, points: Points, makers: Makers, number: int, given: Giv
             prior=study.prior,
         )
 
-    def map_(folder: Path | None, advance: Advance) -> ComparisonMap:
+    def grid(folder: Path | None, advance: Advance) -> ComparisonMap:
         return sweep_map(study, points, makers, number, progress=advance)
 
     varied, over, count = part.vary, sweep.what, len(values)
@@ -528,19 +501,15 @@ def _sweep(study: Study, points: Points, makers: Makers, number: int, given: Giv
         what=f"{quantity.what} over {over}",
         parts=len(points) * len(makers) * count,
         unit="values",
-        run=curves if part.second is None else map_,
+        run=curves if part.second is None else grid,
         kind=Comparison if part.second is None else ComparisonMap,
         quantity=part.quantity,
     )
 
 
 def _pictures(
-    study: Study, points: Points, makers: Makers, work: "Work | None", given: Given
+    study: Study, points: Points, makers: Makers, work: Work | None, given: Given
 ) -> Iterator[Step]:
-    if not study.pictures:
-        return
-    from chromanoise.imaging import Work  # an analysis starts without the imaging packages
-
     for i, part in enumerate(study.pictures):
         cube, cameras = prepared_cameras(study, i, points, makers, given)
         yield Step(
@@ -548,20 +517,37 @@ def _pictures(
             what=f"{shown_word(part.cube)} through every sensor",
             parts=row_source(cube.stored).shape[0] * part.frames * sum(map(len, cameras.values())),
             unit="rows",
-            run=_taken(study, i, cube, cameras, work or Work()),
+            run=partial(_taken, study, i, cube, cameras, work or Work()),
             kind=Pictures,
         )
 
 
 def _taken(
-    study: Study, number: int, cube: Cube, cameras: "dict[str, list[Camera]]", work: "Work"
-) -> Callable[[Path | None, Advance], Pictures]:
-
-    def run(folder: Path | None, advance: Advance) -> Pictures:
-        threads = replace(work, progress=advance)
-        return pictures_taken(study, number, cube, cameras, work=threads, folder=folder)
-
-    return run
+    study: Study,
+    number: int,
+    cube: Cube,
+    cameras: Mapping[str, list[Camera]],
+    work: Work,
+    folder: Path | None,
+    advance: Advance,
+) -> Pictures:
+    """All pictures of a part (from 0), in memory, or summaries of those that were written."""
+    work = replace(work, progress=advance)
+    summaries, kept = [], []
+    points: dict[str, OperatingPoint] = {}
+    for one in taken_pictures(study, number, cube, cameras, work=work, folder=folder):
+        point = one.capture.camera.operating_point
+        points[point.sensor.name] = point
+        summaries.append(one.record)
+        if folder is None:
+            kept.append(one.capture)
+        del one  # before the next one needs memory
+    return Pictures(
+        cube=shown_word(study.pictures[number].cube),
+        points=tuple(points.values()),
+        summaries=tuple(summaries),
+        captures=tuple(kept),
+    )
 
 
 def _values(part: SweepPart | SecondSweepPart, key: str) -> Any:
