@@ -79,7 +79,7 @@ from chromanoise.study.hashes import digests_of, study_as_json
 from chromanoise.study.pixel_files import converter_of, read_pixel_source
 from chromanoise.study.resolve_names import file_of
 from chromanoise.study.run_files import refuse_other_record
-from chromanoise.study.schema import Study
+from chromanoise.study.schema import Study, value_at
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -277,7 +277,7 @@ class DenoisingPlan:
         study = study_as_json(self.study)
         alone = self.operating_point is None
         used = {
-            name: _value_at(study, keys[0])
+            name: value_at(study, keys[0])
             for name, keys in FUNCTIONS["denoise"].items()
             if not alone or name in _WITHOUT_SENSOR
         }
@@ -304,13 +304,6 @@ class DenoisingPlan:
             "method": self.method.name,
             "noise": self.noise.to_dict(),
         }
-
-
-def _value_at(data: Any, key: str) -> Any:
-    """The value of a key of a study with one sensor; ``None`` if it has none."""
-    for step in key.replace("*", "0").split("."):
-        data = data[int(step)] if isinstance(data, list) else (data or {}).get(step)
-    return data
 
 
 @renamed_keywords(method="denoise")

@@ -18,7 +18,7 @@ from chromanoise.base import InputError, Interface, dataclass, did_you_mean, err
 from chromanoise.study.color_matrices import DEFAULT_METHOD
 from chromanoise.study.reading import refuse_objects, study_as_toml, study_from_data
 from chromanoise.study.resolve_names import shown_word
-from chromanoise.study.schema import KEYS, KeyOfStudy, Study
+from chromanoise.study.schema import KEYS, KeyOfStudy, Study, value_at
 
 Settings = Mapping[str, Any]
 
@@ -214,11 +214,9 @@ def default_of(function: str, name: str) -> Any:
     (1.8, 1000.0)
     """
     key = FUNCTIONS[function][name][0]
-    at: Any = _DECLARED[function].start
-    for step in key.split("."):
-        at = at[int(step)] if isinstance(at, list) else at.get(step, {})
-    if at not in ({}, None):
-        return at
+    own = value_at(_DECLARED[function].start, key)
+    if own is not None:
+        return own
     field = KEYS[key].field
     return None if field.required else field.default
 
@@ -462,12 +460,8 @@ class Call:
         InputError
             If the call would be refused.
         """
-        cube, sensors = ("", self.names) if self.function != "render" else _cut(self.names)
+        cube, *sensors = self.names if self.function == "render" else ("", *self.names)
         return study_of(self.function, sensors, self.settings, matrices=self.matrix, cube=cube)
-
-
-def _cut(names: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
-    return names[0], names[1:]
 
 
 def call_of(study: Study) -> Call | None:
@@ -611,25 +605,14 @@ def _settings(study: Study, base: Study, names: Mapping[str, tuple[str, ...]]) -
             pairs = zip(own, study.sensors, strict=True)
             found |= {name: [value or one.name for value, one in pairs]} if any(own) else {}
             continue
-        value = _value(study, keys[0].replace("*", "0"))
-        default = _value(base, keys[0].replace("*", "0"))
-        if value is not None and value != default:
+        value = value_at(study, keys[0])
+        if value is not None and value != value_at(base, keys[0]):
             found[name] = value
     for start in ("", "second_"):
         ends = [f"{start}{name}" for name in ("vary", "first", "last")]
         if set(ends) & set(found):
-            found |= {name: _value(study, names[name][0]) for name in ends}
+            found |= {name: value_at(study, names[name][0]) for name in ends}
     return found
-
-
-def _value(study: Study, key: str) -> Any:
-    at: Any = study
-    for step in key.split("."):
-        if isinstance(at, tuple):
-            at = at[int(step)] if int(step) < len(at) else None
-        else:
-            at = getattr(at, step, None)
-    return at
 
 
 def _matrix_argument(call: Call) -> str:

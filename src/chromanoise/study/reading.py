@@ -196,12 +196,9 @@ def beside_file(study: StudyKind, path: Path) -> StudyKind:
     path
         The file that it was read from.
     """
-    return study if is_relative_to_working_folder(path) else _relative_to(path.parent, study)
-
-
-def _relative_to(folder: Path, study: StudyKind) -> StudyKind:
-    """The study with file names relative to the working folder."""
-    return with_file_words(study, lambda one: _beside(one, folder))
+    if is_relative_to_working_folder(path):
+        return study
+    return with_file_words(study, lambda one: _beside(one, path.parent))
 
 
 def _beside(one: FileWord, folder: Path) -> str:

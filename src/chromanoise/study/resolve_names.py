@@ -24,6 +24,7 @@ from chromanoise.io.spectra import (
     Answers,
     Column,
     Found,
+    ParsedSpectra,
     Quantity,
     in_nm,
     is_wavelength_heading,
@@ -430,8 +431,7 @@ def resolve_filter(word: Curves, *, answers: Answers = ASK, shift_nm: float = 0.
     """
     if isinstance(word, Found) or is_file_word(word, "filter"):
         answers = replace(answers, quantity="transmittance")
-        read = read_curves(file_there(word, "filter"), answers=answers)
-        curve = replace(read.curves, notes=(*read.curves.notes, *read.notes, *read.defects))
+        curve = _with_all_notes(read_curves(file_there(word, "filter"), answers=answers))
     elif (own := own_table(word := catalog_word(word, "filter"), "filter")) is not None:
         curve = replace(user_curves(own), source=word, notes=(own.provenance.source,))
     else:
@@ -445,10 +445,21 @@ def resolve_filter(word: Curves, *, answers: Answers = ASK, shift_nm: float = 0.
             found=f"holds {len(curve.names)} ({', '.join(curve.names[:8])})",
             remedy="save one of them in its own file",
         )
-    remedy = "divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
-    used = used_on_grid(curve.wavelength_nm + shift_nm, DEFAULT_GRID)
-    refuse_outside(curve, high=1.0, remedy=remedy, used=used)
-    return means_on_grid(shifted(curve, shift_nm), DEFAULT_GRID, beyond=answers.beyond)
+    return _shares_on_grid(curve, 1.0, answers, shift_nm)
+
+
+def _with_all_notes(read: ParsedSpectra) -> Spectra:
+    return replace(read.curves, notes=(*read.curves.notes, *read.notes, *read.defects))
+
+
+def _shares_on_grid(
+    curves: Spectra, high: float, answers: Answers, shift_nm: float = 0.0
+) -> Spectra:
+    """Transmittances or reflectances on the default grid; each must be 0 .. ``high``."""
+    remedy = "divide percent by 100" if curves.values.max() > high else SMALL_NEGATIVES
+    used = used_on_grid(curves.wavelength_nm + shift_nm, DEFAULT_GRID)
+    refuse_outside(curves, high=high, remedy=remedy, used=used)
+    return means_on_grid(shifted(curves, shift_nm), DEFAULT_GRID, beyond=answers.beyond)
 
 
 def behind_resolved_filter(
@@ -753,12 +764,8 @@ def resolve_reflectances(word: str | Found, *, answers: Answers = ASK) -> Spectr
         raise InputError(
             read.curves.source, "must hold reflectances", value=declared, found=f"holds {declared}"
         )
-    notes = (*read.curves.notes, *read.notes, *read.defects)
-    curves = replace(read.curves, notes=notes, quantity="reflectance", unit="1")
-    remedy = "divide percent by 100" if curves.values.max() > MOST_REFLECTANCE else SMALL_NEGATIVES
-    used = used_on_grid(curves.wavelength_nm, DEFAULT_GRID)
-    refuse_outside(curves, high=MOST_REFLECTANCE, remedy=remedy, used=used)
-    return means_on_grid(curves, DEFAULT_GRID, beyond=answers.beyond)
+    curves = replace(_with_all_notes(read), quantity="reflectance", unit="1")
+    return _shares_on_grid(curves, MOST_REFLECTANCE, answers)
 
 
 def resolve_patch(word: str | float | Found, *, answers: Answers = ASK) -> Spectra:

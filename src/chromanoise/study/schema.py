@@ -1168,13 +1168,34 @@ def _replaced_settings(study: Study) -> Iterator[InputError]:
         for i in (range(len(study.sensors)) if "*" in key else [0])
     ]
     for one in keys:
-        value: Any = study
-        for step in one.split("."):
-            value = value[int(step)] if step.isdigit() else getattr(value, step)
+        value = value_at(study, one)
         if value is not None:
             name, demand = one.rpartition(".")[2], "must not be given where it varies"
             remedy = "omit it, or vary another thing"
             yield no_place_for(name, demand, value, remedy, setting=one)
+
+
+def value_at(of: Any, key: str) -> Any:
+    """The value of a key in a study or in its plain data; ``None`` where it has no such value.
+
+    Parameters
+    ----------
+    of
+        A study, a part of one, or plain data.
+    key
+        With dots between its steps; ``*`` is the first entry of a list.
+
+    Examples
+    --------
+    >>> value_at({"sensors": [{"name": "onyx-rgbw"}]}, "sensors.*.name")
+    'onyx-rgbw'
+    """
+    for step in key.replace("*", "0").split("."):
+        if isinstance(of, list | tuple):
+            of = of[int(step)] if int(step) < len(of) else None
+        else:
+            of = of.get(step) if isinstance(of, Mapping) else getattr(of, step, None)
+    return of
 
 
 def without_idle_settings(study: Study) -> Study:
@@ -1192,11 +1213,8 @@ def without_idle_settings(study: Study) -> Study:
         return study
     data = study.model_dump(by_alias=True, exclude_defaults=True)
     for key in keys:
-        *path, last = key.split(".")
-        at: Any = data
-        for step in path:
-            at = at[int(step) if step.isdigit() else step]
-        at.pop(last, None)
+        part, _, name = key.rpartition(".")
+        (value_at(data, part) if part else data).pop(name, None)
     return Study.model_validate(data)
 
 
