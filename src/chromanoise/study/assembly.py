@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import field, replace
-from functools import partial
 from typing import Any
 
 from chromanoise.base import InputError, Setting, check, dataclass, no_place_for, refusal
@@ -215,24 +214,21 @@ def duplicates(study: Study) -> list[InputError]:
 
 def repeated_labels(study: Study) -> list[InputError]:
     """Labels that another sensor has as label or name, so that tables could not tell them apart."""
-    errors, before = [], set[str]()
-    names = Counter(shown_word(one.name) for one in study.sensors)
-    for i, part in enumerate(study.sensors):
-        if part.label is None:
-            continue
-        others = names[part.label] - (shown_word(part.name) == part.label)
-        if part.label in before or others:
-            errors.append(
-                InputError(
-                    "label",
-                    "must differ from the labels and names of the other sensors",
-                    value=part.label,
-                    found=f"{part.label!r} is repeated",
-                    setting=f"sensors.{i}.label",
-                )
-            )
-        before.add(part.label)
-    return errors
+    names = [shown_word(one.name) for one in study.sensors]
+    labels = [one.label for one in study.sensors]
+    first = {label: i for i, label in reversed(list(enumerate(labels)))}
+    counts = Counter(names)
+    return [
+        InputError(
+            "label",
+            "must differ from the labels and names of the other sensors",
+            value=label,
+            found=f"{label!r} is repeated",
+            setting=f"sensors.{i}.label",
+        )
+        for i, (name, label) in enumerate(zip(names, labels, strict=True))
+        if label is not None and (first[label] < i or counts[label] > (name == label))
+    ]
 
 
 def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError]:
@@ -646,27 +642,26 @@ def unresolved(study: Study) -> list[InputError]:
     """What a study names and cannot be made, each with its key."""
     found: list[InputError] = []
 
-    def tried(make: Callable[[], Any]) -> Any:
+    def tried(make: Callable[..., Any], *given: Any, **more: Any) -> Any:
         try:
-            return make()
+            return make(*given, **more)
         except InputError as error:
             found.append(error)
             return None
 
-    tried(partial(illuminant_of, study))
-    tried(partial(balance_light_of, study))
-    tried(partial(observer_of, study))
+    for one in (illuminant_of, balance_light_of, observer_of):
+        tried(one, study)
     for name in _REFLECTANCES:
-        tried(partial(reflectances_of, study, name=name))
-    tried(partial(prior_of, study))
+        tried(reflectances_of, study, name=name)
+    tried(prior_of, study)
     sensors = [
-        tried(partial(sensor_of, part, key=f"sensors.{i}", varied=_varied(study)))
+        tried(sensor_of, part, key=f"sensors.{i}", varied=_varied(study))
         for i, part in enumerate(study.sensors)
     ]
     found += [*duplicates(study), *repeated_labels(study), *idle_settings(study)]
     for i, picture in enumerate(study.pictures):
         if picture.mosaic not in (None, "sensor"):
-            tried(partial(_mosaic_fits, i, picture, sensors))
+            tried(_mosaic_fits, i, picture, sensors)
     return found
 
 
@@ -692,11 +687,11 @@ def makers_of(study: Study, given: Given = NOTHING_GIVEN) -> Mapping[str, Matrix
 def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None]) -> None:
     with keyed(f"pictures.{number}.mosaic", str):
         mosaic = mosaic_named(str(part.mosaic))
-    for sensor in sensors:
-        own = set(with_channel_names(mosaic, sensor.names if sensor else ()).names)
-        idle = [name for name in sensor.names if name not in own] if sensor else []
-        strange = sorted(own - set(sensor.names)) if sensor else []
-        if sensor and (strange or (idle and not part.raw_only)):
+    for sensor in filter(None, sensors):
+        own = set(with_channel_names(mosaic, sensor.names).names)
+        idle = [name for name in sensor.names if name not in own]
+        strange = sorted(own - set(sensor.names))
+        if strange or (idle and not part.raw_only):
             what = f"{sensor.name} lacks its channel {', '.join(strange)}"
             if not strange:
                 what = f"it has no pixel for channel {', '.join(idle)} of {sensor.name}"

@@ -26,7 +26,8 @@ import numpy as np
 
 from chromanoise.base import InputError, __version__, blas_kernel, dataclass, regular_file
 from chromanoise.io import DATA_SUFFIXES, envi_pair, is_matrix_file
-from chromanoise.study.catalog import catalog_folder
+from chromanoise.spectra import SOURCES
+from chromanoise.study.catalog import FOLDER_VARIABLE, catalog_folder
 from chromanoise.study.resolve_names import (
     file_of,
     is_file_word,
@@ -291,19 +292,16 @@ def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
         there = name in now and now[name].exists()
         if not there and in_catalog(name):
             file = name.removeprefix(_CATALOG)
-            entry = Path(file).stem
-            changes.append(
-                f"unknown {entry!r}; set CHROMANOISE_CATALOG to the folder of {file}"
-                if entry != "SOURCES"
-                else ""
-            )
+            if file != SOURCES:  # which is beside the table
+                what = f"unknown {Path(file).stem!r}"
+                changes.append(f"{what}; set {FOLDER_VARIABLE} to the folder of {file}")
         elif not there:
             changes.append(f"{name} is there no longer")
         elif name not in before:
             changes.append(f"{name} is there now and was not")
         elif _digest(now[name]) != before[name]:
             changes.append(f"{name} has changed since")
-    return tuple(sentence for sentence in changes if sentence)
+    return tuple(changes)
 
 
 def file_stamps(study: Study) -> dict[str, tuple[int, int, int] | None]:
