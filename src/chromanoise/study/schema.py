@@ -6,6 +6,7 @@ The classes define which studies are valid. File names are relative to the folde
 
 import os
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import reduce
 from importlib import resources
 from pathlib import Path
@@ -234,6 +235,10 @@ class Part(Record):
 
     heading: ClassVar[str] = ""
     """Over the options of its settings in the help of a command."""
+    prefix: ClassVar[str] = ""
+    """Before the names of its fields in the keywords of its settings."""
+    option: ClassVar[str] = ""
+    """The one option that gives all its settings; empty: each has its own."""
 
 
 class LightPart(Part):
@@ -361,7 +366,6 @@ class PixelPart(_FileAndPixelPart):
         None,
         "charge: the sum is read once (default). digital: each pixel is read, and the readings are "
         "summed.",
-        label="Binning mode",
         needs=("binning",),
     )
 
@@ -434,7 +438,6 @@ class ReflectancesPart(Part):
         keyword="chart_file",
         metavar="FILE",
         curves=True,
-        label="Chart",
         hint="the ColorChecker",
         file="spectrum",
     )
@@ -446,7 +449,6 @@ class ReflectancesPart(Part):
         "the ColorChecker (dark skin) or of the catalog (lawn), or a curve of a file.",
         metavar="NUMBER|NAME|FILE[:NAME]",
         curves=True,
-        label="Patch",
         hint="perfect white; e.g. 0.18",
         file="spectrum",
     )
@@ -499,7 +501,6 @@ class SensorPart(Part):
         keyword="labels",
         option="label",
         each=True,
-        label="Label",
         hint="its name",
     )
     beyond: Beyond = setting(
@@ -563,7 +564,6 @@ class SensorPart(Part):
         "light",
         "Crosstalk before counting (light), or after it (charge: interpixel capacitance, which "
         "correlates the readings).",
-        label="Crosstalk stage",
         needs=("crosstalk",),
     )
     mosaic: Annotated[str, Known(MOSAIC_NAMES, others=True)] | None = setting(
@@ -572,7 +572,6 @@ class SensorPart(Part):
         f"{', '.join(MOSAIC_NAMES)}, or rows, e.g. RG/GB or 'Red Yellow; Yellow Blue'; default: "
         "that of the sensor.",
         metavar="NAME|ROWS",
-        label="Mosaic",
         hint="its own; e.g. bayer, RG/GB",
     )
     ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = setting(
@@ -653,33 +652,15 @@ class SecondSweepPart(Part):
     """A second parameter of a sweep: the quantity on a grid of pairs of values."""
 
     heading = "Sweep"
+    prefix = "second_"
+    option = "and"
     vary: Annotated[str, Known(SWEEPS)] = setting(
-        ...,
-        "Second parameter that varies; the names are those of the sweep.",
-        keyword="second_vary",
-        option="and",
-        part="NAME",
+        ..., "Second parameter that varies; the names are those of the sweep.", part="NAME"
     )
-    first: Finite = setting(
-        ...,
-        "Lowest value of the second parameter, in its unit.",
-        keyword="second_first",
-        option="and",
-        part="FIRST",
-    )
-    last: Finite = setting(
-        ...,
-        "Highest value of the second parameter.",
-        keyword="second_last",
-        option="and",
-        part="LAST",
-    )
+    first: Finite = setting(..., "Lowest value of the second parameter, in its unit.", part="FIRST")
+    last: Finite = setting(..., "Highest value of the second parameter.", part="LAST")
     points: Annotated[int, Field(ge=2, le=100_000)] = setting(
-        21,
-        "Number of values of the second parameter.",
-        keyword="second_points",
-        option="and",
-        part="POINTS",
+        21, "Number of values of the second parameter.", part="POINTS"
     )
 
 
@@ -848,18 +829,16 @@ class ParetoPart(Part):
     """Curve of color error against noise, for a range of weights of the noise."""
 
     heading = "Color"
+    prefix = "pareto_"
+    option = "pareto"
     first: Positive = setting(
         ...,
         "Lowest weight of the noise; 1 is LMMSE, and weights near 0 approach least squares.",
-        keyword="pareto_first",
-        option="pareto",
         part="FIRST",
     )
-    last: Positive = setting(
-        ..., "Highest weight of the noise.", keyword="pareto_last", option="pareto", part="LAST"
-    )
+    last: Positive = setting(..., "Highest weight of the noise.", part="LAST")
     points: Annotated[int, Field(ge=2, le=100_000)] = setting(
-        13, "Number of weights.", keyword="pareto_points", option="pareto", part="POINTS"
+        13, "Number of weights.", part="POINTS"
     )
 
 
@@ -1060,7 +1039,7 @@ class Study(Part):
     schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
         SCHEMA, alias="schema", description=f"Version of this format: {SCHEMA}."
     )
-    title: str = setting("", "Title of the study.", keyword=None, label="Title")
+    title: str = setting("", "Title of the study.", keyword=None)
     metric: Annotated[str, Known(METRICS)] = setting(
         "quanta",
         "Whether spectra are expressed in photons (quanta) or in energy.",
@@ -1319,6 +1298,8 @@ def _walked(model: type[Record], prefix: str) -> Iterator[KeyOfStudy]:
             yield from _walked(part, f"{key}.{index}")
             continue
         interface = next((one for one in field.metadata if isinstance(one, Interface)), None)
+        if interface is not None and issubclass(model, Part) and model.prefix:
+            interface = replace(interface, keyword=f"{model.prefix}{name}", option=model.option)
         yield KeyOfStudy(key=key, field=field, interface=interface, part=model)
 
 
