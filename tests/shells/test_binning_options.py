@@ -35,14 +35,13 @@ def test_raw_codes_of_digital_binning_are_refused(run, tmp_path):
     refused(outcome, "--binning-mode", value="digital")
 
 
-def test_a_pixel_of_a_picture_is_one_binned_pixel(run, tmp_path):
+def test_a_pixel_of_a_picture_is_one_binned_pixel(run, done, tmp_path):
     reflectance = np.full((128, 128, 14), 0.5, dtype=np.float32)
     cube = tmp_path / "cube.npz"
     np.savez(cube, wavelength_nm=np.linspace(400, 1050, 14), reflectance=reflectance)
     asked = ("simulate", cube, "--sensor", "model-rgb", "--time-ms", 5, "--lux", 5)
     asked = (*asked, "--mosaic", "G", "--raw-only", "--bits", 16)
-    code, _, err = run(*asked, "--binning", 4, "--prnu", 0.02, "-o", tmp_path / "o")
-    assert code == 0, err
+    done(*asked, "--binning", 4, "--prnu", 0.02, "-o", tmp_path / "o")
     (data,) = json.loads((tmp_path / "o" / "summary.json").read_text())["pictures"]
     codes = tifffile.imread(tmp_path / "o" / "model-rgb.raw.tiff").astype(float)
     gain, mean_e = data["gain_e_per_dn"], 4 * expected_green(run)
@@ -60,9 +59,8 @@ def expected_green(run):
     return 0.5 * next(c["mean_e"] for c in sensor["channels"] if c["name"] == "G")
 
 
-def test_a_study_copied_from_a_binned_analysis_is_the_same(run):
+def test_a_study_copied_from_a_binned_analysis_is_the_same(done):
     asked = ("analyze", "model-rgb", "--binning", "4", "--binning-mode", "digital")
-    code, toml, err = run(*asked, "--copy-as", "toml")
-    assert code == 0, err
+    toml, _ = done(*asked, "--copy-as", "toml")
     pixel = study_from_text(toml, source="").sensors[0].pixel
     assert (pixel.binning, pixel.binning_mode) == (4, "digital")

@@ -17,7 +17,7 @@ GIVEN = ("--lux", 3, "--f-number", 2.8, "--metric", "energy")
 
 
 @pytest.fixture
-def copied(run, tmp_path):
+def copied(run, done, tmp_path):
     """Run a command with --copy-as toml, run that study; give back its results by step."""
 
     def call(*arguments):
@@ -25,8 +25,7 @@ def copied(run, tmp_path):
         assert (code, err) == (0, "")
         path = tmp_path / "copied.toml"
         path.write_text(out)
-        code, _, err = run("run", path, "-o", tmp_path / "copied")
-        assert code == 0, err
+        done("run", path, "-o", tmp_path / "copied")
         found = {p.stem: json.loads(p.read_bytes()) for p in (tmp_path / "copied").glob("*.json")}
         return {name: result["result"] for name, result in found.items() if "result" in result}
 
@@ -62,11 +61,10 @@ def sheet(tmp_path):
         ("--mosaic", "bayer", "--raw-only", "--frames", 2, "--seed", 5, "--row-noise-e", 3),
     ],
 )
-def test_a_study_copied_from_simulate_gives_its_pictures(run, copied, options, tmp_path):
+def test_a_study_copied_from_simulate_gives_its_pictures(done, copied, options, tmp_path):
     asked = ("simulate", "builtin:checker", "--sensor", "model-rgb", *options)
     ours = copied(*asked)["pictures-1"]["pictures"]
-    code, _, err = run(*asked, "-o", tmp_path / "o")
-    assert code == 0, err
+    done(*asked, "-o", tmp_path / "o")
     theirs = json.loads((tmp_path / "o" / "summary.json").read_text())["pictures"]
     for mine, other in zip(ours, theirs, strict=True):
         for name, same in zip(mine.pop("files"), other.pop("files"), strict=True):
@@ -89,10 +87,9 @@ def test_how_a_cube_is_to_be_read_is_copied(run, copied, tmp_path):
     assert (tifffile.imread(ours) == tifffile.imread(theirs)).all()
 
 
-def test_a_copied_script_runs_by_itself_and_prints_the_digits(run, tmp_path):
+def test_a_copied_script_runs_by_itself_and_prints_the_digits(run, done, tmp_path):
     options = ("onyx-rgbw", "--lux", 2, "--budget")
-    code, out, _ = run("analyze", *options, "--copy-as", "python")
-    assert code == 0
+    out, _ = done("analyze", *options, "--copy-as", "python")
     (tmp_path / "s.py").write_text(out)
     done = subprocess.run(
         [sys.executable, "s.py"], cwd=tmp_path, capture_output=True, text=True, check=True
@@ -137,9 +134,8 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize("line", COMMANDS)
-def test_the_command_of_a_study_is_the_one_that_it_was_copied_from(run, line):
-    code, out, err = run(*shlex.split(line)[1:], "--copy-as", "toml")
-    assert code == 0, err
+def test_the_command_of_a_study_is_the_one_that_it_was_copied_from(done, line):
+    out, _ = done(*shlex.split(line)[1:], "--copy-as", "toml")
     command, _, folder = study_as_command(study_from_text(out, source="copied")).partition(
         " --out "
     )
@@ -197,13 +193,12 @@ OWN = "own camera.json"
 
 @pytest.mark.parametrize("more", [(), ("--read-noise-e", 2), ("--filter", "ircut-700")])
 def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
-    run, tmp_path, curves, more, capsys, monkeypatch
+    run, done, tmp_path, curves, more, capsys, monkeypatch
 ):
     own = tmp_path / OWN
-    assert run("convert", "model-rgb", own)[0] == 0
+    done("convert", "model-rgb", own)
     options = (curves, own, "--percent", "--beyond", "zero", "--lux", 2, "--budget", *more)
-    code, out, err = run("analyze", *options, "--copy-as", "python")
-    assert code == 0, err
+    out, _ = done("analyze", *options, "--copy-as", "python")
     (tmp_path / "s.py").write_text(out)
     monkeypatch.chdir(tmp_path)
     runpy.run_path("s.py", run_name="__main__")

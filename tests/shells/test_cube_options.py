@@ -34,17 +34,18 @@ wavelengths = "wl.txt"
 """
 
 
-def test_a_study_finds_a_file_of_wavelengths_in_its_folder_and_hashes_it(files, run, monkeypatch):
+def test_a_study_finds_a_file_of_wavelengths_in_its_folder_and_hashes_it(
+    files, run, done, monkeypatch
+):
     (files / "study.toml").write_text(STUDY)
-    assert run("run", str(files / "study.toml"), "--out", str(files / "out"))[0] == 0
+    done("run", str(files / "study.toml"), "--out", str(files / "out"))
     data = json.loads((files / "out" / "pictures-1.json").read_text())
     assert set(data["files"]) == {str(files / "a.npy"), str(files / "wl.txt")}
     monkeypatch.chdir(files)
     command = ("simulate", "a.npy", "--sensor", "model-rgb", "--wavelengths", "wl.txt")
-    code, out, _ = run(*command, "--format", "xyz", "--copy-as", "toml")
-    assert code == 0
+    out, _ = done(*command, "--format", "xyz", "--copy-as", "toml")
     assert 'wavelengths = "wl.txt"' in out
-    assert run(*command, "--format", "xyz", "-o", "direct")[0] == 0
+    done(*command, "--format", "xyz", "-o", "direct")
     taken = [next((files / name).glob("*.tiff")).read_bytes() for name in ("out", "direct")]
     assert taken[0] == taken[1]
     (files / "wl.txt").write_text("um\n0.4\n0.46\n0.5\n0.8\n1.05\n")

@@ -58,10 +58,9 @@ def test_a_gray_glass_of_a_quarter_takes_three_quarters_of_every_curve(folder, w
 
 
 @pytest.mark.parametrize("word", ["gray-glass", "glass.csv"])
-def test_behind_a_gray_glass_the_time_of_saturation_is_four_times_as_long(run, folder, word):
+def test_behind_a_gray_glass_the_time_of_saturation_is_four_times_as_long(done, folder, word):
     def times(*more):
-        code, out, err = run("analyze", "onyx-rgb", "model-rgb", *more, "--json", "-")
-        assert code == 0, err
+        out, _ = done("analyze", "onyx-rgb", "model-rgb", *more, "--json", "-")
         data = json.loads(out)["sensors"]
         return [one["name"] for one in data], [one["time_ms"] for one in data]
 

@@ -16,11 +16,10 @@ SENSOR = "onyx-rgb-ircut"
 
 
 @pytest.fixture
-def exported(tmp_path, run):
+def exported(tmp_path, done):
     def written(ending, *options):
         path = tmp_path / f"m.{ending}"
-        code, _, err = run("matrix", SENSOR, "--lux", "10", *options, "--export", str(path))
-        assert code == 0, err
+        done("matrix", SENSOR, "--lux", "10", *options, "--export", str(path))
         return path
 
     return written
@@ -160,11 +159,10 @@ def test_the_matrix_of_a_dcp_is_inverted_and_scaled_to_the_luminance_of_the_whit
     assert product / product[0, 0] == pytest.approx(np.eye(3), abs=1e-12)
 
 
-def test_the_color_matrix_of_our_dng_is_that_which_tifffile_reads(tmp_path, run):
+def test_the_color_matrix_of_our_dng_is_that_which_tifffile_reads(tmp_path, done):
     out = tmp_path / "out"
     words = ("simulate", "builtin:checker", "--sensor", SENSOR, "--mosaic", "bayer", "--raw-only")
-    code, _, err = run(*words, "-o", str(out))
-    assert code == 0, err
+    done(*words, "-o", str(out))
     with tifffile.TiffFile(out / f"{SENSOR}.dng") as file:
         numbers = np.array(file.pages[0].tags[50721].value).reshape(-1, 2)
     theirs = (numbers[:, 0] / numbers[:, 1]).reshape(3, 3)
@@ -248,7 +246,7 @@ def test_the_ending_tells_a_file_from_a_method():
     assert not is_matrix_file("ridge=0.01")
 
 
-def test_a_study_names_its_matrix_beside_itself(tmp_path, exported, run):
+def test_a_study_names_its_matrix_beside_itself(tmp_path, exported, done):
     path = exported("csv")
     study = tmp_path / "sub" / "s.toml"
     study.parent.mkdir()
@@ -256,8 +254,7 @@ def test_a_study_names_its_matrix_beside_itself(tmp_path, exported, run):
     study.write_text(
         f'matrices = ["m.csv"]\n[light]\nlevel_lux = 10.0\n[[sensors]]\nname = "{SENSOR}"\n'
     )
-    code, _, err = run("run", str(study), "-o", str(tmp_path / "out"))
-    assert code == 0, err
+    done("run", str(study), "-o", str(tmp_path / "out"))
 
 
 def test_a_matrix_of_another_observer_is_refused(exported):

@@ -55,11 +55,10 @@ def test_tables_and_sentences_show_labels_in_place_of_names():
         assert not any(name in text for name in PAIR)
 
 
-def test_the_terminal_shows_labels_in_place_of_names(run):
+def test_the_terminal_shows_labels_in_place_of_names(done):
     options = [word for label in LABELS for word in ("--label", label)]
     for command in ("analyze", "compare"):
-        code, out, _ = run(command, *PAIR, *options)
-        assert code == 0
+        out, _ = done(command, *PAIR, *options)
         assert all(label in out for label in LABELS)
         assert not any(name in out for name in PAIR)
 
@@ -73,10 +72,9 @@ def test_charts_show_labels_in_place_of_names():
         assert not any(f'"{name}"' in data for name in PAIR)
 
 
-def test_a_command_with_labels_is_copied_with_them(run):
+def test_a_command_with_labels_is_copied_with_them(done):
     options = ("--label", "New chip", "--label", PAIR[1])
-    code, out, _ = run("analyze", *PAIR, *options, "--copy-as", "python")
-    assert code == 0
+    out, _ = done("analyze", *PAIR, *options, "--copy-as", "python")
     assert 'labels=["New chip", "onyx-rgb-ircut"]' in out
 
 

@@ -43,9 +43,8 @@ def test_json_of_merit_has_the_digits_of_the_library(run):
     assert data["viewing"]["pixels_per_degree"] == pytest.approx(41.888, abs=1e-3)
 
 
-def test_merit_prints_each_number_with_its_source_and_each_gap_with_its_reason(run):
-    code, out, _ = run("analyze", "model-mono", "--merit")
-    assert code == 0
+def test_merit_prints_each_number_with_its_source_and_each_gap_with_its_reason(done):
+    out, _ = done("analyze", "model-mono", "--merit")
     for source in (
         "Neugebauer 1956",
         "Vora & Trussell 1993",
@@ -101,16 +100,14 @@ def test_pareto_prints_one_line_per_weight_and_names_the_lmmse_matrix(run):
     assert [row.split("│")[1].strip() for row in rows if "LMMSE" in row] == ["1"]
 
 
-def test_a_saturated_white_is_told_along_the_curve(run):
-    code, out, _ = run("matrix", "model-rgb-ircut", "--time-ms", 1000, "--pareto", "0.1:10:3")
-    assert code == 0
+def test_a_saturated_white_is_told_along_the_curve(done):
+    out, _ = done("matrix", "model-rgb-ircut", "--time-ms", 1000, "--pareto", "0.1:10:3")
     assert out.count("saturated") == 4  # once for the matrix, once per weight
 
 
-def test_json_of_a_matrix_alone_has_no_curve_and_goes_to_a_file_beside_the_table(run, tmp_path):
+def test_json_of_a_matrix_alone_has_no_curve_and_goes_to_a_file_beside_the_table(done, tmp_path):
     target = tmp_path / "m.json"
-    code, out, _ = run("matrix", "model-rgb-ircut", "--json", target)
-    assert code == 0
+    out, _ = done("matrix", "model-rgb-ircut", "--json", target)
     assert "Kodak's Psi" in out
     assert json.loads(target.read_text())["pareto"] is None
 

@@ -53,12 +53,11 @@ GREEN = ("--mosaic", "G", "--raw-only")
 
 
 @pytest.fixture
-def take(run, here):
+def take(done, here):
     """A simulation with the sheet: its codes, its summary and its messages."""
 
     def call(*options, pixel=("--pixel", "sheet.txt"), name="o"):
-        code, _, err = run(*ASKED, *pixel, *options, "-o", name)
-        assert code == 0, err
+        _, err = done(*ASKED, *pixel, *options, "-o", name)
         (summary,) = json.loads((here / name / "summary.json").read_text())["pictures"]
         raw = here / name / "model-rgb.raw.tiff"
         return tifffile.imread(raw).astype(float) if raw.exists() else None, summary, err
@@ -180,16 +179,17 @@ def test_a_picture_has_the_black_level_error_in_every_code(take):
         (("--clip", "--dsnu-e", 0.0, "--format", "xyz"), ("toml",)),
     ],
 )
-def test_simulate_its_study_and_its_script_give_the_same_picture(take, run, here, options, kinds):
+def test_simulate_its_study_and_its_script_give_the_same_picture(
+    take, run, done, here, options, kinds
+):
     take(*options)
     ours = sorted(p for p in (here / "o").iterdir() if p.suffix in (".tiff", ".png"))
     for kind in kinds:
-        code, out, _ = run(*ASKED, "--pixel", "sheet.txt", *options, "--copy-as", kind)
-        assert code == 0
+        out, _ = done(*ASKED, "--pixel", "sheet.txt", *options, "--copy-as", kind)
         folder = here / kind
         if kind == "toml":
             (here / "s.toml").write_text(out)
-            assert run("run", "s.toml", "-o", kind)[0] == 0
+            done("run", "s.toml", "-o", kind)
             (data,) = json.loads((folder / "pictures-1.json").read_text())["result"]["pictures"]
             own = json.loads((here / "o" / "summary.json").read_text())["pictures"][0]
             assert data["imperfections"] == own["imperfections"]

@@ -66,18 +66,18 @@ def files_of(folder):
 
 
 @pytest.fixture
-def made(run, project):
-    code, _, err = run("run", "study.toml")
-    assert code == 0, err
+def made(done, project):
+    done("run", "study.toml")
     return project / "out" / "study"
 
 
-def test_a_result_runs_again_from_any_folder_to_the_same_bytes(run, made, tmp_path, monkeypatch):
+def test_a_result_runs_again_from_any_folder_to_the_same_bytes(
+    run, done, made, tmp_path, monkeypatch
+):
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
     for number, output in enumerate((made, made / "analysis-kernel.json")):
-        code, out, err = run("rerun", output, "-o", f"again-{number}")
-        assert code == 0, err
+        out, err = done("rerun", output, "-o", f"again-{number}")
         assert out.split() == [
             f"again-{number}/{name}.json" for name in ("analysis-kernel", "pictures-1")
         ]
@@ -95,13 +95,12 @@ def test_results_outside_of_the_project_find_its_files(run, project, tmp_path, m
     assert files_of(tmp_path / "again") == files_of(tmp_path / "results")
 
 
-def test_a_project_that_was_moved_is_rerun_with_its_own_files(run, made, project, tmp_path):
+def test_a_project_that_was_moved_is_rerun_with_its_own_files(done, made, project, tmp_path):
     os.chdir(tmp_path)
     project.rename(tmp_path / "moved")
     project.mkdir()
     (project / "cam.csv").write_text("another file in the old place")
-    code, _, err = run("rerun", "moved/out/study", "-o", "again")
-    assert code == 0, err
+    _, err = done("rerun", "moved/out/study", "-o", "again")
     for name in ("analysis-kernel.json", "pictures-1.json"):
         assert (Path("again") / name).read_bytes() == (Path("moved/out/study") / name).read_bytes()
     assert "same results" in err.splitlines()[-1]
@@ -115,12 +114,11 @@ def with_place(folder, place):
 
 
 @pytest.mark.parametrize("gone", [False, True])
-def test_a_record_with_the_whole_path_of_the_project_is_rerun(run, made, project, tmp_path, gone):
+def test_a_record_with_the_whole_path_of_the_project_is_rerun(done, made, project, tmp_path, gone):
     with_place(made, tmp_path / "no such folder" if gone else project)
     os.chdir(tmp_path)
     shutil.move(made, project / "o" if gone else tmp_path / "o")
-    code, _, err = run("rerun", project / "o" if gone else "o", "-o", "again")
-    assert code == 0, err
+    _, err = done("rerun", project / "o" if gone else "o", "-o", "again")
     assert ("no such folder" in err.splitlines()[-1]) == gone
 
 
@@ -170,17 +168,16 @@ def test_an_output_with_other_content_is_one_sentence_or_a_difference(
 
 @pytest.mark.parametrize("name", ["catalog", "catalog:"])
 def test_a_folder_of_the_project_named_catalog_is_found_from_elsewhere(
-    run, project, tmp_path, monkeypatch, name
+    done, project, tmp_path, monkeypatch, name
 ):
     (project / name).mkdir()
     (project / "cam.csv").rename(project / name / "cam.csv")
     (project / "study.toml").write_text(
         f'matrices = ["kernel"]\n[[sensors]]\nname = "{name}/cam.csv"\n'
     )
-    assert run("run", "study.toml", "-o", "results")[0] == 0
+    done("run", "study.toml", "-o", "results")
     monkeypatch.chdir(tmp_path)
-    code, _, err = run("rerun", project / "results", "-o", "again")
-    assert code == 0, err
+    done("rerun", project / "results", "-o", "again")
     assert files_of(tmp_path / "again") == files_of(project / "results")
 
 

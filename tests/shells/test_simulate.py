@@ -58,13 +58,12 @@ def cube(tmp_path_factory):
 
 
 @pytest.fixture
-def take(run, cube, tmp_path):
+def take(done, cube, tmp_path):
     """Simulate into a folder of that name; its summary, standard output and error beside it."""
 
     def call(name, sensor, *arguments, source=cube):
         folder = tmp_path / name
-        code, out, err = run("simulate", source, "--sensor", sensor, *arguments, "-o", folder)
-        assert code == 0, err
+        out, err = done("simulate", source, "--sensor", sensor, *arguments, "-o", folder)
         summary = json.loads((folder / "summary.json").read_text())
         return folder, summary["pictures"], out, err
 
@@ -450,12 +449,11 @@ def test_an_ignored_sigint_stays_ignored_and_sigterm_ends_cleanly(cube, tmp_path
     assert nothing_left(tmp_path)
 
 
-def test_on_a_screen_a_bar_tells_rows_and_goes_away(run, cube, tmp_path, monkeypatch):
+def test_on_a_screen_a_bar_tells_rows_and_goes_away(done, cube, tmp_path, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")  # as if standard error were a screen
-    code, out, err = run(
+    out, err = done(
         "simulate", cube, "--sensor", "model-rgb", "--frames", 2, "--tile", 1, "-o", tmp_path / "o"
     )
-    assert code == 0
     assert out.count("\n") == 3
     assert f"{2 * ROWS}/{2 * ROWS} rows" in err
     assert "\x1b[2K" in err  # the line is cleared
@@ -597,14 +595,11 @@ def test_the_filters_of_a_burst_are_made_once_for_each_sensor(take, monkeypatch)
 
 
 @pytest.mark.parametrize("name", ["../../pwned", "..", "/tmp/pwned", "a\\b", ".hidden"])
-def test_pictures_stay_in_their_folder_whatever_a_sensor_calls_itself(run, tmp_path, name):
+def test_pictures_stay_in_their_folder_whatever_a_sensor_calls_itself(done, tmp_path, name):
     path = tmp_path / "mine.json"
     path.write_text(sensor_json(replace(sensor_named("model-rgb", DEFAULT_GRID), name=name)))
     out = tmp_path / "a" / "b" / "out"
-    code, _, err = run(
-        *("simulate", "builtin:checker", "--sensor", path, "-o", out), "--format", "png"
-    )
-    assert code == 0, err
+    done(*("simulate", "builtin:checker", "--sensor", path, "-o", out), "--format", "png")
     (picture,) = out.glob("*.png")
     assert picture.is_file()
     assert not picture.name.startswith(".")

@@ -76,7 +76,7 @@ def test_an_input_that_is_gone_is_named(run, made):
     refused(run("rerun", "out", "--out", "again"), "cam.csv")
 
 
-def test_a_catalog_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
+def test_a_catalog_folder_that_is_missing_is_asked_for(run, done, made, monkeypatch):
     folder = made / "mine"
     folder.mkdir()
     (folder / "shed.csv").write_text(CAMERA.format(end=0.3))
@@ -86,8 +86,7 @@ def test_a_catalog_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
     )
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(folder))
     (made / "s.toml").write_text('[[sensors]]\nname = "shed"\n')
-    code, _, err = run("run", "s.toml", "--out", "shed")
-    assert code == 0, err
+    done("run", "s.toml", "--out", "shed")
     monkeypatch.delenv("CHROMANOISE_CATALOG")
     refused(run("rerun", "shed", "--out", "again"), "shed", "CHROMANOISE_CATALOG")
 
@@ -126,11 +125,10 @@ def test_csv_json_and_csv_again_keeps_source_and_notes(run, here):
          "300,154.08333,light\n500,254.08333,light\n", 4.0),
     ],
 )  # fmt: skip
-def test_a_pixel_comes_from_every_form_of_file(run, here, text, read_noise_e):
+def test_a_pixel_comes_from_every_form_of_file(done, here, text, read_noise_e):
     (here / "pixel.txt").write_text(text)
     assert read_pixel_source("pixel.txt").read_noise_e == pytest.approx(read_noise_e, rel=1e-6)
-    code, out, err = run("analyze", "onyx-rgbw", "--pixel", "pixel.txt", "--json", "-")
-    assert code == 0, err
+    out, _ = done("analyze", "onyx-rgbw", "--pixel", "pixel.txt", "--json", "-")
     notes = " ".join(json.loads(out)["sensors"][0]["notes"])
     assert re.search(r"read_noise_e[^|]* of pixel.txt", notes)
 

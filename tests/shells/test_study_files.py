@@ -21,9 +21,8 @@ def files_of(folder):
     return {p.name: p.read_bytes() for p in sorted(folder.iterdir()) if p.name != OWN_FILES}
 
 
-def test_the_starter_runs_as_it_is_and_again_to_the_same_bytes(run, starter, tmp_path):
-    code, out, err = run("run", "study.toml", *FEW)
-    assert code == 0, err
+def test_the_starter_runs_as_it_is_and_again_to_the_same_bytes(run, done, starter, tmp_path):
+    out, _ = done("run", "study.toml", *FEW)
     names = ["analysis-kernel", "analysis-lmmse", "sweep-1-lux-snr-y"]
     *answers, first, second, third = out.splitlines()
     assert [first, second, third] == [f"out/study/{name}.json" for name in names]
@@ -33,8 +32,7 @@ def test_the_starter_runs_as_it_is_and_again_to_the_same_bytes(run, starter, tmp
         assert {"version", "study", "seed", "files", "hash"} <= set(result)
     assert run("run", "study.toml", *FEW)[2].count("(already done)") == 3
     for output in ("out/study", "out/study/analysis-lmmse.json"):
-        code, out, err = run("rerun", output, "-o", "again")
-        assert code == 0, err
+        done("rerun", output, "-o", "again")
         assert files_of(tmp_path / "again") == first
 
 
