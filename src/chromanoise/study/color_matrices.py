@@ -326,11 +326,8 @@ def matrix_makers(
     refuse_unknown_prior(prior)
     wanted = [name.strip() for name in names]
     check.distinct("names of matrices", list(map(shown_word, wanted)))
-    own = own or {}
     return {
-        shown_word(name): _own_maker(shown_word(name), metric, own[name])
-        if name in own
-        else _maker(name, metric, prior)
+        shown_word(name): _maker(shown_word(name), metric, prior, (own or {}).get(name))
         for name in wanted
     }
 
@@ -364,9 +361,13 @@ def known_matrices() -> str:
     )
 
 
-def _maker(name: str, metric: Metric, prior: str | Spectra) -> MatrixMaker:
-    if is_matrix_file(name):
-        return MatrixMaker(method=METHODS[DEFAULT_METHOD], metric=metric, given=_read(name))
+def _maker(name: str, metric: Metric, prior: str | Spectra, own: OwnMatrix | None) -> MatrixMaker:
+    if own is None and is_matrix_file(name):
+        own = _read(name)
+    if isinstance(own, GivenMatrix):
+        return MatrixMaker(method=METHODS[DEFAULT_METHOD], metric=metric, given=own)
+    if own is not None:
+        return MatrixMaker(method=METHODS[DEFAULT_METHOD], metric=metric, own=(name, own))
     word, given, text = name.partition("=")
     method = _method(name)
     if bool(given) != (method.parameter is not None):
@@ -374,19 +375,13 @@ def _maker(name: str, metric: Metric, prior: str | Spectra) -> MatrixMaker:
         raise InputError("matrix", f"must be given as {wanted}", value=name)
     parameters: tuple[tuple[str, float], ...] = ()
     if method.parameter:
-        what, value = f"{method.parameter} of a {word} matrix", _number(text, name)
+        what = f"{method.parameter} of a {word} matrix"
+        value = check.number(text, f"matrix {name!r}", "must end in a number")
         try:
             parameters = ((method.parameter, check.within(what, "1", value, *method.bounds)),)
         except InputError as error:
             raise error.within("matrix") from None
     return MatrixMaker(method=method, metric=metric, prior=prior, parameters=parameters)
-
-
-def _own_maker(name: str, metric: Metric, own: OwnMatrix) -> MatrixMaker:
-    method = METHODS[DEFAULT_METHOD]
-    if isinstance(own, GivenMatrix):
-        return MatrixMaker(method=method, metric=metric, given=own)
-    return MatrixMaker(method=method, metric=metric, own=(name, own))
 
 
 def _own_color_matrix(
@@ -557,13 +552,6 @@ def _in_channel_order(given: GivenMatrix, names: tuple[str, ...]) -> Float[Array
 def _method(name: str) -> MatrixMethod:
     word = name.partition("=")[0].strip()
     return METHODS[check.one_of("matrix", word, tuple(METHODS))]
-
-
-def _number(text: str, name: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(f"matrix {name!r}", "must end in a number", value=text) from None
 
 
 @lru_cache(maxsize=64)
