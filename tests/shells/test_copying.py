@@ -32,10 +32,8 @@ def copied(run, done, tmp_path):
     return call
 
 
-def told_by(run, *arguments):
-    code, out, err = run(*arguments, "--json", "-")
-    assert code == 0, err
-    return json.loads(out)
+def told_by(done, *arguments):
+    return json.loads(done(*arguments, "--json", "-")[0])
 
 
 @pytest.fixture
@@ -87,14 +85,14 @@ def test_how_a_cube_is_to_be_read_is_copied(run, copied, tmp_path):
     assert (tifffile.imread(ours) == tifffile.imread(theirs)).all()
 
 
-def test_a_copied_script_runs_by_itself_and_prints_the_digits(run, done, tmp_path):
+def test_a_copied_script_runs_by_itself_and_prints_the_digits(done, tmp_path):
     options = ("onyx-rgbw", "--lux", 2, "--budget")
     out, _ = done("analyze", *options, "--copy-as", "python")
     (tmp_path / "s.py").write_text(out)
-    done = subprocess.run(
+    script = subprocess.run(
         [sys.executable, "s.py"], cwd=tmp_path, capture_output=True, text=True, check=True
     )
-    assert json.loads(done.stdout) == [told_by(run, "analyze", *options)]
+    assert json.loads(script.stdout) == [told_by(done, "analyze", *options)]
 
 
 @pytest.mark.parametrize(
@@ -202,7 +200,7 @@ def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
     (tmp_path / "s.py").write_text(out)
     monkeypatch.chdir(tmp_path)
     runpy.run_path("s.py", run_name="__main__")
-    assert json.loads(capsys.readouterr().out) == [told_by(run, "analyze", *options)]
+    assert json.loads(capsys.readouterr().out) == [told_by(done, "analyze", *options)]
 
 
 @pytest.mark.parametrize("more", [(), ("--copy-as", "toml")])
@@ -242,9 +240,9 @@ def test_an_answer_that_no_sensor_asks_for_is_refused(
     refused(outcome, *parts, setting=f"sensors.0.answers.{answer}", value=value)
 
 
-def test_an_answer_that_one_of_several_sensors_asks_for_is_taken(run):
+def test_an_answer_that_one_of_several_sensors_asks_for_is_taken(done):
     options = ("onyx-rgbw", "ar0132at-rgbw", "--peak-qe", 0.3, "--beyond", "zero")
-    result = told_by(run, "analyze", *options)
+    result = told_by(done, "analyze", *options)
     assert [one["name"] for one in result["sensors"]] == ["onyx-rgbw", "ar0132at-rgbw"]
 
 

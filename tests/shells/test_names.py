@@ -128,43 +128,34 @@ def test_two_names_that_differ_in_the_sign_alone_stay_two():
     assert known_name("a-b-c", names) == "a-b-c"  # none of them
 
 
+KEYS = ("level_lux", "f_number", "read_noise_e", "white_balance")
 TEXT = """
 title = "t"
 [light]
-{level} = 3.0
+{} = 3.0
 [exposure]
-{f} = 2.0
+{} = 2.0
 [[sensors]]
 name = "onyx-rgbw"
 [sensors.pixel]
-{read} = 2.0
+{} = 2.0
 [outputs]
 [outputs.pipeline]
 run = true
-{balance} = "illuminant"
+{} = "illuminant"
 """
 
 
 def test_keys_of_a_study_file_take_both_signs_and_the_hash_is_the_same():
-    keys = {
-        "level": "level_lux",
-        "f": "f_number",
-        "read": "read_noise_e",
-        "balance": "white_balance",
-    }
-    own = study_from_text(TEXT.format(**keys), source="a.toml")
-    other = study_from_text(
-        TEXT.format(**{key: flipped(name) for key, name in keys.items()}), source="a.toml"
-    )
+    own = study_from_text(TEXT.format(*KEYS), source="a.toml")
+    other = study_from_text(TEXT.format(*map(flipped, KEYS)), source="a.toml")
     assert own == other
     assert study_hash(own) == study_hash(other)
 
 
 def test_a_change_with_the_other_sign_replaces_the_value():
-    text = TEXT.format(
-        level="level_lux", f="f_number", read="read_noise_e", balance="white_balance"
-    )
-    study = study_from_text(text, source="a.toml", changes=["light.level-lux=7"])
+    changes = ["light.level-lux=7"]
+    study = study_from_text(TEXT.format(*KEYS), source="a.toml", changes=changes)
     assert study.light.level_lux == 7.0
 
 
@@ -176,9 +167,7 @@ def test_a_key_that_is_given_with_both_signs_is_refused():
 
 
 def test_a_fault_under_the_other_sign_names_its_line():
-    text = TEXT.format(
-        level="level-lux", f="f-number", read="read-noise-e", balance="white-balance"
-    )
+    text = TEXT.format(*map(flipped, KEYS))
     with pytest.raises(InputError) as caught:
         study_from_text(text.replace("3.0", "-3.0"), source="a.toml")
     assert "a.toml:4" in str(caught.value)
@@ -197,26 +186,20 @@ def test_names_of_channels_keep_their_signs():
     assert study.sensors[0].channel_filters == filters
 
 
+def ran(line):
+    return CliRunner().invoke(commands, line.split(), catch_exceptions=False)
+
+
 @pytest.mark.parametrize(
-    ("with_hyphens", "other"),
+    "words",
     [
-        (
-            "compare onyx-rgbw onyx-rgb-ircut --sweep read-noise-e=1:3 --points 2 --quantity snr-y"
-            " --time-ms 12 --matrix white-preserving --json -",
-            "compare onyx-rgbw onyx-rgb-ircut --sweep read_noise_e=1:3 --points 2 --quantity snr_y"
-            " --time_ms 12 --matrix white_preserving --json -",
-        ),
-        (
-            "analyze onyx-rgbw --space linear-srgb --json -",
-            "analyze onyx-rgbw --space linear_srgb --json -",
-        ),
+        "compare onyx-rgbw onyx-rgb-ircut --sweep read{0}noise{0}e=1:3 --points 2 "
+        "--quantity snr{0}y --time{0}ms 12 --matrix white{0}preserving --json -",
+        "analyze onyx-rgbw --space linear{0}srgb --json -",
     ],
 )
-def test_a_command_line_takes_both_signs_and_prints_the_same(with_hyphens, other):
-    first, second = (
-        CliRunner().invoke(commands, line.split(), catch_exceptions=False)
-        for line in (with_hyphens, other)
-    )
+def test_a_command_line_takes_both_signs_and_prints_the_same(words):
+    first, second = (ran(words.format(sign)) for sign in "-_")
     assert first.exit_code == second.exit_code == 0
     assert first.stdout == second.stdout
 
@@ -224,10 +207,6 @@ def test_a_command_line_takes_both_signs_and_prints_the_same(with_hyphens, other
 def test_a_command_takes_both_signs():
     found = {known_name(flipped(name), COMMANDS) for name in COMMANDS}
     assert found == set(COMMANDS)
-
-
-def ran(line):
-    return CliRunner().invoke(commands, line.split(), catch_exceptions=False)
 
 
 def test_the_old_option_of_a_matrix_gives_the_same_and_warns_once():

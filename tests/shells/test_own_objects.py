@@ -271,25 +271,23 @@ def test_two_objects_of_one_name_are_refused():
     assert list(both) == ["own sensor", "own sensor 2"]
 
 
-class GaussianCamera:
-    """A sensor model of one's own: channels by their centers."""
+def own_camera(*, qe=0.5, names=("R", "G", "B"), grid=DEFAULT_GRID, **pixel):
+    centers_nm = np.array([600.0, 540.0, 460.0])
+    bells = np.exp(-(((grid.wavelength_nm[:, None] - centers_nm) / 40) ** 2))
+    return cn.Sensor(
+        name="own", grid=grid, qe=qe * bells, names=names, pixel=replace(PAPER_PIXEL, **pixel)
+    )
 
-    def __init__(self, *centers_nm):
-        self.centers_nm = centers_nm
+
+class GaussianCamera:
+    """A sensor model of one's own."""
 
     def to_sensor(self):
-        away = (DEFAULT_GRID.wavelength_nm[:, None] - np.array(self.centers_nm)) / 40
-        return cn.Sensor(
-            name="gaussian",
-            grid=DEFAULT_GRID,
-            qe=0.6 * np.exp(-0.5 * away**2),
-            names=("R", "G", "B"),
-            pixel=PAPER_PIXEL,
-        )
+        return own_camera()
 
 
 def test_a_model_of_a_sensor_gives_its_sensor():
-    model = GaussianCamera(600, 540, 460)
+    model = GaussianCamera()
     by_model, by_sensor = (cn.analyze(one, lux=5) for one in (model, model.to_sensor()))
     assert by_model.to_dict() == by_sensor.to_dict()
     model.to_sensor = lambda: "onyx-rgbw"
@@ -511,14 +509,6 @@ def test_a_study_of_an_object_is_not_written_as_text(written, data):
         written(study)
     with refused_input(subject="cam"):
         cn.run(study)
-
-
-def own_camera(*, qe=0.5, names=("R", "G", "B"), grid=DEFAULT_GRID, **pixel):
-    centers_nm = np.array([600.0, 540.0, 460.0])
-    bells = np.exp(-(((grid.wavelength_nm[:, None] - centers_nm) / 40) ** 2))
-    return cn.Sensor(
-        name="own", grid=grid, qe=qe * bells, names=names, pixel=replace(PAPER_PIXEL, **pixel)
-    )
 
 
 def own_matrix(factor):

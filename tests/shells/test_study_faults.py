@@ -10,12 +10,16 @@ from chromanoise.study.pixel_files import read_pixel_source
 from outcomes import refused
 
 CAMERA = "wavelength_nm,R\n400,0.1\n1050,{end}\n"
+pytestmark = pytest.mark.usefixtures("here")
 
 
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+def shed_in(folder, more=""):
+    """A folder of one's own with the sensor ``shed``."""
+    (folder / "shed.csv").write_text(CAMERA.format(end=0.3))
+    (folder / "SOURCES.toml").write_text(
+        '[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\nunit = "e-/photon"\n'
+        'level = "absolute"\nsource = "a bench"\nlicense = "CC0"\ndefects = "none known"\n' + more
+    )
 
 
 @pytest.fixture
@@ -79,11 +83,7 @@ def test_an_input_that_is_gone_is_named(run, made):
 def test_a_catalog_folder_that_is_missing_is_asked_for(run, done, made, monkeypatch):
     folder = made / "mine"
     folder.mkdir()
-    (folder / "shed.csv").write_text(CAMERA.format(end=0.3))
-    (folder / "SOURCES.toml").write_text(
-        '[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\nunit = "e-/photon"\n'
-        'level = "absolute"\nsource = "a bench"\nlicense = "CC0"\ndefects = "none known"\n'
-    )
+    shed_in(folder)
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(folder))
     (made / "s.toml").write_text('[[sensors]]\nname = "shed"\n')
     done("run", "s.toml", "--out", "shed")
@@ -154,12 +154,7 @@ def test_no_name_of_the_catalog_is_broken(run, monkeypatch):
 
 
 def test_a_pixel_of_the_catalog_is_one_that_could_be(run, here, monkeypatch):
-    (here / "shed.csv").write_text(CAMERA.format(end=0.3))
-    (here / "SOURCES.toml").write_text(
-        '[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\nunit = "e-/photon"\n'
-        'level = "absolute"\nsource = "a bench"\nlicense = "CC0"\ndefects = "none known"\n'
-        'pixel = { pitch_um = -3, source = "a guess" }\n'
-    )
+    shed_in(here, 'pixel = { pitch_um = -3, source = "a guess" }\n')
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(here))
     refused(run("catalog", "shed"), "SOURCES.toml", "shed", "pitch_um", value=-3.0)
 
