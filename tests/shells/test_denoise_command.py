@@ -26,6 +26,7 @@ AT = ["--lux", "10", "--time-ms", "12"]
 KNOWN = ["--mosaic", "RG/GB", "--black-level", "100", "--gain-dn-per-e", "0.5"]
 KNOWN += ["--read-noise-e", "5", "--bits", "12"]
 METHOD = ["--denoise", "lmmse"]
+CAMERA = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "black_level": 100}
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,11 @@ def flat(mean_e, *, seed=0, shape=(64, 96)):
     rng = np.random.default_rng(seed)
     noisy = rng.poisson(mean_e, shape) + 5 * rng.standard_normal(shape)
     return np.clip(np.rint(100 + 0.5 * noisy), 0, 4095).astype(np.uint16)
+
+
+def denoised(codes, **more):
+    """The codes of `flat` after denoising with its noise."""
+    return cn.denoise(codes, **{"unit": "DN", "denoise": "lmmse"} | CAMERA | more)
 
 
 def summary_of(folder):
@@ -146,10 +152,7 @@ def test_noise_is_measured_where_the_picture_is_smoothest(assumed_e, ratio):
 
 
 def test_a_picture_without_usable_values_has_no_residual():
-    result = cn.denoise(
-        np.full((24, 24), 4095, np.uint16), unit="DN", denoise="lmmse", mosaic="RG/GB", bits=12,
-        gain_dn_per_e=0.5, read_noise_e=5.0, black_level=100,
-    )  # fmt: skip
+    result = denoised(np.full((24, 24), 4095, np.uint16), bits=12)
     assert result.summary["saturated_share"] == 1
     assert set(result.summary["residual"].values()) == {None}
 
@@ -172,26 +175,21 @@ def test_a_wrong_gain_is_reported(done, tmp_path):
 @pytest.mark.parametrize("sensor", [None, SENSOR])
 @pytest.mark.parametrize("seed", range(4))
 def test_a_dark_picture_is_denoised_to_about_black(seed, sensor, method):
-    settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "time_ms": 12.0}
-    result = cn.denoise(
-        flat(0, seed=seed), unit="DN", denoise=method, sensor=sensor, black_level=100, **settings
-    )
+    result = denoised(flat(0, seed=seed), denoise=method, sensor=sensor, time_ms=12.0)
     assert np.isfinite(result.values_e).all()
     assert np.abs(result.values_e).max() < 2.5
 
 
 def test_a_picture_below_black_is_refused():
-    settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0}
     with refused_input(setting="black_level"):
-        cn.denoise(flat(0) - 2, unit="DN", black_level=100, **settings)
+        denoised(flat(0) - 2)
 
 
 def test_saturated_pixels_keep_their_code_and_are_counted(tmp_path):
     codes = flat(400)
     codes[10, 10:14] = 4095
     codes[20, 20] = 0
-    settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "bits": 12}
-    result = cn.denoise(codes, unit="DN", denoise="lmmse", black_level=100, **settings)
+    result = denoised(codes, bits=12)
     assert (result.codes[10, 10:14] == 4095).all()
     assert result.codes[20, 20] > 0
     assert result.summary["saturated_share"] == 4 / codes.size
@@ -205,15 +203,13 @@ def test_a_dump_an_array_and_a_file_of_the_same_codes_give_the_same(tmp_path):
     np.save(tmp_path / "a.npy", codes)
     codes.astype("<u2").tofile(tmp_path / "a.raw")
     codes.astype(">u2").tofile(tmp_path / "b.raw")
-    settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "black_level": 100}
-    settings |= {"denoise": "lmmse"}
-    array = cn.denoise(codes, unit="DN", **settings).values_e
+    array = denoised(codes).values_e
     for file, more in (
         ("a.npy", {}),
         ("a.raw", {"shape": codes.shape}),
         ("b.raw", {"shape": codes.shape, "stored": "uint16-be"}),
     ):
-        assert (cn.denoise(tmp_path / file, **settings, **more).values_e == array).all()
+        assert (denoised(tmp_path / file, unit=None, **more).values_e == array).all()
 
 
 def test_electrons_need_neither_gain_nor_black_level():
@@ -229,9 +225,8 @@ def test_electrons_need_neither_gain_nor_black_level():
 def test_a_burst_is_merged_before_it_is_denoised(tmp_path):
     for seed in range(4):
         np.save(tmp_path / f"{seed}.npy", flat(300, seed=seed))
-    settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "black_level": 100}
     files = [tmp_path / f"{seed}.npy" for seed in range(4)]
-    one, four = (cn.denoise(files[:n], denoise="lmmse", **settings) for n in (1, 4))
+    one, four = (denoised(files[:n], unit=None) for n in (1, 4))
     assert (one.summary["frames"], four.summary["frames"]) == (1, 4)
     assert four.values_e.std() < 0.75 * one.values_e.std()
     mean = np.mean([np.load(file) for file in files], axis=0)
@@ -313,13 +308,8 @@ def test_results_of_denoise_cannot_be_rerun(run, done, here):
 
 def test_a_high_difference_of_neighbors_does_not_say_that_the_noise_is_wrong(tmp_path):
     texture = 200 + 100 * np.random.default_rng(5).random((200, 240))
-    known = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "black_level": 100}
-    codes = flat(texture * 4, shape=texture.shape)
-    (note,) = (
-        one
-        for one in cn.denoise(codes, unit="DN", denoise="lmmse", **known).summary["notes"]
-        if "smoothest" in one
-    )
+    notes = denoised(flat(texture * 4, shape=texture.shape)).summary["notes"]
+    (note,) = (one for one in notes if "smoothest" in one)
     assert "detail" in note
     assert "byte order" in note
 
@@ -358,10 +348,7 @@ def test_an_array_needs_its_unit_and_a_file_none():
     below = flat(100).astype(np.int32)
     below[3, 5] = -7
     with refused_input(subject="picture", value=-7):
-        cn.denoise(
-            below, unit="DN", denoise="lmmse", mosaic="RG/GB", gain_dn_per_e=0.5, read_noise_e=5.0,
-            black_level=100, bits=12,
-        )  # fmt: skip
+        denoised(below, bits=12)
 
 
 def test_a_folder_is_no_argument():
@@ -374,8 +361,7 @@ def test_the_name_of_a_sensor_says_nothing_of_its_read_noise(tmp_path):
     file = tmp_path / "read noise.csv"
     curves = [f"{nm},{0.5 * (nm < 600)},0.4,{0.3 * (nm > 500)}" for nm in range(400, 1060, 10)]
     file.write_text("\n".join(["wavelength_nm,R,G,B", *curves]))
-    known = {"mosaic": "RG/GB", "black_level": 100, "bits": 12, "gain_dn_per_e": 0.5}
-    known |= {"time_ms": 10.0, "unit": "DN", "denoise": "lmmse", "sensor": file}
-    assert cn.denoise(flat(300), read_noise_e=5.0, **known).noise.law.floor_e2[0] > 25
+    known = {"bits": 12, "time_ms": 10.0, "sensor": file}
+    assert denoised(flat(300), **known).noise.law.floor_e2[0] > 25
     with refused_input(setting="read_noise_e"):
-        cn.denoise(flat(300), **known)
+        denoised(flat(300), read_noise_e=None, **known)
