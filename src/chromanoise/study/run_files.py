@@ -428,13 +428,9 @@ def _refuse_change_in_work(study: Study, stamps: Any, before: Mapping[str, str])
 
 
 def _made_by(file: Path, hash_: str) -> bool:
-    if not file.exists():
-        return False
-    try:
-        record = read_record(file)
-        if record.get("hash") != hash_ or record.get("content") != content_hash(record):
-            return False
-    except (InputError, ValueError):  # no JSON any longer, or not a number in it
+    """Whether a file is a result of the study of this hash, with all its pictures as written."""
+    record = record_if_readable(file)
+    if record.get("hash") != hash_ or record.get("content") != content_hash(record):
         return False
     written = record.get("written")
     if not isinstance(record.get("result"), dict) or not isinstance(written, dict):
