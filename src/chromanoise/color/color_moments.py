@@ -34,7 +34,6 @@ from chromanoise.color.noise_in_spaces import ElectronSource, NoisyColor, SpaceM
 from chromanoise.color.spaces import LAB, Space, ciede2000_difference
 from chromanoise.noise import (
     NoiseSources,
-    counted_readout,
     few_electrons,
     poisson_gaussian_ppf,
     read_values,
@@ -534,8 +533,7 @@ def _read(
     from scipy.special import ndtr
 
     noise, found = _of_sum(source), np.empty_like(normal)
-    counted, readout = counted_readout(places_e, noise, source.readout)
-    added = np.sqrt(np.broadcast_to(noise.smooth.added_variance_e2(places_e), places_e.shape))
+    counted, readout, added = noise.smooth.of_one_reading(places_e, source.readout)
     cases = [
         (share / places_e.size, shift_e, mean, sd)
         for mean, sd in zip(counted.tolist(), added.tolist(), strict=True)

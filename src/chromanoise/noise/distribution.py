@@ -20,7 +20,6 @@ from chromanoise.noise.readout import (
     Readout,
     count_law,
     count_window,
-    read_moments,
 )
 from chromanoise.noise.variance import (
     CrosstalkPattern,
@@ -59,20 +58,7 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
     mean, n = check.non_negative("mean_e", "e-", mean_e), noise.readings
     if noise.pattern is not None:
         return _over_places(mean, noise, noise.pattern, readout)
-    light, one, sd = noise.smooth.of_one_reading(mean)
-    bounds = Readout(
-        black_e=readout.black_e / n,
-        full_well_e=readout.full_well_e / n + one.offset_e,
-        step_e=readout.step_e or one.step_e,
-        offset_e=one.offset_e,
-    )
-    counted = light + noise.dark_e / n
-    read = noise.over_levels(
-        lambda shift_e: read_moments(
-            counted, read_noise_e=sd, readout=replace(bounds, offset_e=one.offset_e + shift_e)
-        )
-    )
-    read = replace(read, bias=read.mean - light)
+    read = noise.moments_of_one_reading(*noise.smooth.of_one_reading(mean, readout))
     return replace(read, mean=n * read.mean, variance=n * read.variance, bias=n * read.mean - mean)
 
 
@@ -113,14 +99,9 @@ def counted_readout(
     As in raw pictures, the mean dark signal is subtracted and the error of the black level added
     before the converter rounds.
     """
-    offset = noise.black_error_e - noise.dark_e
-    bounds = Readout(
-        black_e=readout.black_e,
-        full_well_e=readout.full_well_e + offset,
-        step_e=readout.step_e or noise.step_e,
-        offset_e=offset,
-    )
-    return np.asarray(mean_e) + noise.dark_e, bounds
+    of_sum = replace(noise, pattern=None, readings=1)
+    counted, bounds, _ = of_sum.of_one_reading(np.asarray(mean_e), readout)
+    return counted, bounds
 
 
 def clipping_readout(sensor: Sensor, exposure: Exposure | None = None) -> Readout:
@@ -285,9 +266,8 @@ def code_count(mean_e: float, noise: NoiseSources) -> int:
     >>> code_count(0.0, NoiseSources(pixel=PAPER_PIXEL, step_e=1.0))
     67
     """
-    light, readout, sd = noise.of_one_reading(np.array([mean_e]))
-    counted = float(light[0] + noise.dark_e / noise.readings)
-    ends = poisson_gaussian_ppf(np.array([-3.2905, 3.2905]), counted, read_noise_e=float(sd[0]))
+    (counted,), readout, (sd,) = noise.of_one_reading(np.array([mean_e]))
+    ends = poisson_gaussian_ppf(np.array([-3.2905, 3.2905]), float(counted), read_noise_e=float(sd))
     first, last = read_values(ends, readout) / readout.step_e
     return round(last - first) + 1
 
@@ -488,11 +468,9 @@ def reading_distribution(
             f"{noise.readings} readings",
             remedy="take `sensor_moments`, whose mean and variance are exact",
         )
-    counted, bounds = counted_readout(mean, noise, readout or Readout())
     of_sum = replace(noise, readings=1)
-    shifts = of_sum.shifts
-    added = np.sqrt(np.broadcast_to(of_sum.smooth.added_variance_e2(mean), mean.shape))
-    step = bounds.step_e
+    counted, bounds, added = of_sum.smooth.of_one_reading(mean, readout or Readout())
+    shifts, step = of_sum.shifts, bounds.step_e
     low, high = _reach(counted, added, shifts)
     if high - low > _MOST_REACH_E:
         raise InputError(
@@ -503,14 +481,14 @@ def reading_distribution(
         )
     if step and (high - low) ** 2 / step > _MOST_ENTRIES:
         step, added = 0.0, np.sqrt(added**2 + step**2 / 12)
+    counts_alone = added.max() < _LEAST_NOISE_E and len(shifts) == 1
     if step:
-        values, table = _rounded(counted, added, replace(bounds, step_e=step), shifts)
-    elif added.max() < _LEAST_NOISE_E and len(shifts) == 1:
+        values, table = _rounded(counted, added, bounds, shifts)
+    elif counts_alone:
         values, table = _rounded(counted, np.zeros_like(added), Readout(step_e=1.0), shifts)
     else:
         values, table = _continuous(counted, np.maximum(added, _LEAST_SD_E), shifts)
     values = values if step else values + bounds.offset_e
-    counts_alone = added.max() < _LEAST_NOISE_E and len(shifts) == 1
     width = 0.0 if step or counts_alone else float(values[1] - values[0])
     values, table = _clipped(values, table, bounds)
     return ReadingDistribution(

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from chromanoise.base import Array, Bool, Float, InputError, check, dataclass, stream
+from chromanoise.noise.readout import refuse_many
 from chromanoise.noise.variance import CrosstalkPattern, NoiseSources
 from chromanoise.sensor import NORMAL, Pixel
 
@@ -45,15 +46,7 @@ def sample_electrons(
         If a mean is negative, not finite, or above 1e15.
     """
     mean_e = check.non_negative("mean_e", "e-", mean_e)
-    if mean_e.size and mean_e.max() > _MOST_E:
-        most = float(mean_e.max())
-        raise InputError(
-            "mean_e",
-            f"must be at most {_MOST_E:g} [e-] to be counted",
-            value=most,
-            found=f"reaches {most:g}",
-            remedy="take less light or a shorter time",
-        )
+    refuse_many(mean_e, _MOST_E, "to be counted", "take less light or a shorter time")
     if noise is None or not noise.beyond_shot_and_read:
         shot = rng.poisson(mean_e).astype(np.float64)
         return shot + pixel.read_noise_e * rng.standard_normal(shot.shape)

@@ -87,7 +87,7 @@ def over_counts(
     array([[3.],
            [3.]])
     """
-    _refuse_many(mean_e)
+    _refuse_uncountable(mean_e)
     means, back = np.unique(mean_e, return_inverse=True)
     parts = [_summed(means[rows], given_count) for rows in _runs(means)]
     return np.concatenate(parts, axis=1)[:, back.reshape(mean_e.shape)]
@@ -112,7 +112,7 @@ def over_counts_each(
     InputError
         As `over_counts`.
     """
-    _refuse_many(mean_e)
+    _refuse_uncountable(mean_e)
     lowest, highest = count_window(mean_e)
     order = np.argsort(highest - lowest)  # rows of similar width share a table
     parts, first = [], 0
@@ -131,16 +131,22 @@ def over_counts_each(
     return found[:, np.argsort(order)]
 
 
-def _refuse_many(mean_e: Float[Array, "*px p"]) -> None:
+def _refuse_uncountable(mean_e: Float[Array, "*px p"]) -> None:
     check.shape("mean_e", mean_e, mean_e.size > 0, "must hold at least one channel to sum over")
-    if mean_e.max() > _MOST_E:
-        most = float(mean_e.max())
+    remedy = "take wider bounds and no step, or less light"
+    refuse_many(mean_e, _MOST_E, "for an exact sum over electrons", remedy)
+
+
+def refuse_many(mean_e: Float[Array, "*px p"], most_e: float, purpose: str, remedy: str) -> None:
+    """Refuse more electrons than a computation can count."""
+    largest = float(mean_e.max(initial=0.0))
+    if largest > most_e:
         raise InputError(
             "mean_e",
-            f"must be at most {_MOST_E:g} [e-] for an exact sum over electrons",
-            value=most,
-            found=f"reaches {most:g}",
-            remedy="take wider bounds and no step, or less light",
+            f"must be at most {most_e:g} [e-] {purpose}",
+            value=largest,
+            found=f"reaches {largest:g}",
+            remedy=remedy,
         )
 
 
@@ -325,42 +331,30 @@ def coded_moments(
         )
     codes = 2 * math.ceil(reach) + 3
     rows = max(1, _ENTRIES // codes)
-    held = _holding(black_e, full_well_e, step_e)
-    parts = [
-        _coded(electrons[i : i + rows], codes, read_noise_e, step_e, held)
-        for i in range(0, electrons.size, rows)
-    ]
-    return np.concatenate(parts, axis=1)
-
-
-def _holding(
-    black_e: float, full_well_e: float, step_e: float
-) -> Callable[[Float[Array, "m k"]], tuple[Array, Array, Array]]:
-    """Multiples clipped to the bounds, and masks of those that were raised or lowered."""
     slack = 1e-9 * step_e  # so that 3 * 0.1 does not exceed 0.3
 
-    def held(multiple: Float[Array, "m k"]) -> tuple[Array, Array, Array]:
-        kept = np.clip(multiple, black_e, full_well_e)
-        return kept, multiple < black_e - slack, multiple > full_well_e + slack
+    def coded(some: Float[Array, " r"]) -> Float[Array, "4 r"]:
+        nearest = np.floor(some / step_e + 0.5)
+        code = nearest[:, None] + np.arange(codes) - codes // 2
+        multiple = code * step_e
+        value = np.clip(multiple, black_e, full_well_e)
+        share = _shares((code[:, 1:] - 0.5) * step_e - some[:, None], read_noise_e)
+        middle = value[:, codes // 2]
+        mean = middle + (share * (value - middle[:, None])).sum(axis=1)
+        variance = (share * (value - mean[:, None]) ** 2).sum(axis=1)
+        raised = (share * (multiple < black_e - slack)).sum(axis=1)
+        lowered = (share * (multiple > full_well_e + slack)).sum(axis=1)
+        return np.stack([mean, variance, raised, lowered])
 
-    return held
+    return _in_parts(coded, electrons, rows)
 
 
-def _coded(
-    electrons: Float[Array, " m"],
-    codes: int,
-    read_noise_e: float,
-    step_e: float,
-    held: Callable[[Float[Array, "m k"]], tuple[Array, Array, Array]],
-) -> Float[Array, "4 m"]:
-    nearest = np.floor(electrons / step_e + 0.5)
-    code = nearest[:, None] + np.arange(codes) - codes // 2
-    value, raised, lowered = held(code * step_e)
-    share = _shares((code[:, 1:] - 0.5) * step_e - electrons[:, None], read_noise_e)
-    middle = value[:, codes // 2]
-    mean = middle + (share * (value - middle[:, None])).sum(axis=1)
-    variance = (share * (value - mean[:, None]) ** 2).sum(axis=1)
-    return np.stack([mean, variance, (share * raised).sum(axis=1), (share * lowered).sum(axis=1)])
+def _in_parts(
+    of: Callable[[Float[Array, " r"]], Float[Array, "k r"]], values: Float[Array, " m"], rows: int
+) -> Float[Array, "k m"]:
+    """A function of many values, of so many at once as fit into memory."""
+    parts = [of(values[i : i + rows]) for i in range(0, values.size, rows)]
+    return np.concatenate(parts, axis=1)
 
 
 def _shares(threshold_e: Float[Array, "m t"], read_noise_e: float) -> Float[Array, "m k"]:
@@ -456,11 +450,7 @@ def expectation(
             value = _values(function, count)
             return np.stack([value, np.zeros_like(value)])
         rows = max(1, _ENTRIES // (_NODES * (len(_PANELS) + kinks.size)))
-        parts = [
-            _smoothed(function, count[i : i + rows], noise, kinks)
-            for i in range(0, count.size, rows)
-        ]
-        return np.concatenate(parts, axis=1)
+        return _in_parts(lambda some: _smoothed(function, some, noise, kinks), count, rows)
 
     moments = over_counts(mean, given_count)
     return Expectation(mean=moments[0], variance=moments[1])

@@ -137,6 +137,7 @@ _STEPS_OF_ONE_CODE = 5.0  # below as many standard deviations per step no code h
 _MOST_LEVELS = 101  # more levels of telegraph noise are as good as normal noise
 _LEAST_SHARE = 1e-15  # of a level that counts
 _WEAK = 1e-3  # a channel with less of the electrons of the strongest one decides no color
+_UNBOUNDED = Readout()
 LEAST_DITHER = 0.4
 """Noise over the step of a converter: less bends the mean code by over 2 exp(-2 pi^2 0.4^2). [1]"""
 
@@ -300,11 +301,12 @@ class NoiseSources(PixelReading):
         mean = np.asarray(mean_e, dtype=np.float64)
         if not self.step_e:
             return np.zeros(mean.shape, dtype=bool)
-        light, readout, sd = self.without_levels.of_one_reading(mean)  # most pixels have one level
+        # most pixels have one level
+        counted, readout, sd = self.without_levels.of_one_reading(mean)
+        light = mean / self.readings
         return additive_rounding_fails(
-            light, counted_e=light + self.dark_e / self.readings, read_noise_e=sd,
-            step_e=readout.step_e,
-        )  # fmt: skip
+            light, counted_e=counted, read_noise_e=sd, step_e=readout.step_e
+        )
 
     def rounded(
         self, mean_e: Float[Array, "*px p"], kind: NoiseKind = "total"
@@ -343,15 +345,8 @@ class NoiseSources(PixelReading):
                 bias[..., i] = np.where(at, read_e.mean(axis=-1) - mean[..., i], 0.0)
                 variance[..., i] = np.where(at, spread + read_e.var(axis=-1), variance[..., i])
         elif coarse.any():
-            light, readout, sd = own.smooth.of_one_reading(mean)
-            counted = (light + own.dark_e / own.readings)[coarse]
-            read = own.over_levels(
-                lambda shift_e: read_moments(
-                    counted,
-                    read_noise_e=sd[coarse],
-                    readout=replace(readout, offset_e=readout.offset_e + shift_e),
-                )
-            )
+            counted, readout, sd = own.smooth.of_one_reading(mean)
+            read = own.moments_of_one_reading(counted[coarse], readout, sd[coarse])
             bias[coarse] = own.readings * read.mean - mean[coarse] - own.black_error_e
             variance[coarse] = own.readings * read.variance
         return bias, variance
@@ -368,8 +363,7 @@ class NoiseSources(PixelReading):
         found = np.zeros(mean.shape, dtype=bool)
         if not self.step_e:
             return found
-        light, readout, sd = self.without_levels.of_one_reading(mean)
-        counted = light + self.dark_e / self.readings
+        counted, readout, sd = self.without_levels.of_one_reading(mean)
         near = counted + sd**2 < (readout.step_e / _STEPS_OF_ONE_CODE) ** 2
         if near.any():
             found[near] = (
@@ -381,21 +375,31 @@ class NoiseSources(PixelReading):
         return found
 
     def of_one_reading(
-        self, mean_e: Float[Array, "*px p"]
+        self, mean_e: Float[Array, "*px p"], of_sum: Readout = _UNBOUNDED
     ) -> tuple[Float[Array, "*px p"], Readout, Float[Array, "*px p"]]:
-        """Expected electrons, readout and added noise of each reading of a sum of readings. [e-]
+        """Counted electrons, readout and added noise of each reading of a sum of readings. [e-]
+
+        As in raw pictures, the mean dark signal is subtracted and the error of the black level
+        added before the converter rounds.
 
         Parameters
         ----------
         mean_e
             Expected electrons of the light. [e-]
+        of_sum
+            Bounds of the sum after the subtraction of the mean dark signal, full well before it,
+            of which each reading has an equal part; the step is that of the converter, unless
+            another is given. [e-]
         """
-        n = self.readings
-        sd = np.sqrt(np.broadcast_to(self.added_variance_e2(mean_e) / n, mean_e.shape))
+        n, offset_e = self.readings, (self.black_error_e - self.dark_e) / self.readings
         readout = Readout(
-            step_e=self.step_e / np.sqrt(n), offset_e=(self.black_error_e - self.dark_e) / n
+            black_e=of_sum.black_e / n,
+            full_well_e=of_sum.full_well_e / n + offset_e,
+            step_e=of_sum.step_e or self.step_e / np.sqrt(n),
+            offset_e=offset_e,
         )
-        return mean_e / n, readout, sd
+        sd = np.sqrt(np.broadcast_to(self.added_variance_e2(mean_e) / n, mean_e.shape))
+        return mean_e / n + self.dark_e / n, readout, sd
 
     @property
     def shifts(self) -> tuple[tuple[float, float], ...]:
@@ -429,15 +433,20 @@ class NoiseSources(PixelReading):
         """The sources that are added as one normal variable to each of the levels (`shifts`)."""
         return self if len(self.shifts) == 1 else self.without_levels
 
-    def over_levels(self, read: Callable[[float], Moments]) -> Moments:
+    def moments_of_one_reading(
+        self, counted_e: Float[Array, "*px p"], readout: Readout, sd_e: Float[Array, "*px p"]
+    ) -> Moments:
         """Moments of one reading, averaged over the levels of telegraph noise.
 
         Parameters
         ----------
-        read
-            The moments where all readings are shifted by so many electrons.
+        counted_e, readout, sd_e
+            As `of_one_reading` of the `smooth` sources gives them. [e-]
         """
-        each = [(weight, read(shift_e)) for weight, shift_e in self.shifts]
+        each = []
+        for weight, shift_e in self.shifts:
+            shifted = replace(readout, offset_e=readout.offset_e + shift_e)
+            each.append((weight, read_moments(counted_e, read_noise_e=sd_e, readout=shifted)))
         if len(each) == 1:
             return each[0][1]
 
@@ -782,10 +791,7 @@ def one_code(
     sensor, exposure
         As `noise_sources`.
     """
-    noise = noise_sources(sensor, exposure)
-    if not noise.step_e:
-        return np.zeros(np.shape(mean_e), dtype=bool)
-    return noise.gives_one_code(np.asarray(mean_e, dtype=np.float64)) & _is_lit(mean_e)
+    return noise_sources(sensor, exposure).gives_one_code(mean_e) & _is_lit(mean_e)
 
 
 def _is_lit(mean_e: Float[Array, "*px p"]) -> Bool[Array, "*px p"]:
