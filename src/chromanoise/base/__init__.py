@@ -52,6 +52,7 @@ if TYPE_CHECKING:
         congruence,
         covariance_root,
         det,
+        diagonal,
         eigh,
         eigvalsh,
         inv,

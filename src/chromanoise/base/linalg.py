@@ -111,6 +111,11 @@ def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Arra
     return 0.5 * (product + np.swapaxes(product, -1, -2))
 
 
+def diagonal(variance: Float[Array, "*px p"]) -> Float[Array, "*px p p"]:
+    """The diagonal matrix of these entries: the covariance of independent channels."""
+    return variance[..., None] * np.eye(variance.shape[-1])
+
+
 def covariance_root(what: str, s: Float[Array, "*k p p"]) -> Float[Array, "*k p p"]:
     """R with R^T R = S, for a covariance S; diagonal, as the root of each entry, where S is."""
     sd = np.sqrt(np.diagonal(s, axis1=-2, axis2=-1))
@@ -152,17 +157,11 @@ def unit_columns(
 
 
 def angles_deg(a: Float[Array, "n p"], b: Float[Array, "n q"]) -> Float[Array, "p q"]:
-    """Angle of every column of ``a`` with every column of ``b``, as `angle_deg`. [deg]"""
+    """Angles of the columns of ``a`` with those of ``b``, accurate near 0 and 180 (Kahan). [deg]"""
     u, v = (columns / np.linalg.norm(columns, axis=0) for columns in (a, b))
     apart = np.linalg.norm(u[:, :, None] - v[:, None, :], axis=0)
     together = np.linalg.norm(u[:, :, None] + v[:, None, :], axis=0)
     return np.asarray(np.degrees(2 * np.arctan2(apart, together)))
-
-
-def angle_deg(a: Float[Array, " n"], b: Float[Array, " n"]) -> float:
-    """Angle between two vectors, accurate near 0 and 180 degrees (Kahan). [deg]"""
-    u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)
-    return float(np.degrees(2 * np.arctan2(np.linalg.norm(u - v), np.linalg.norm(u + v))))
 
 
 def blas_kernel() -> str | None:

@@ -471,17 +471,11 @@ def _source(color: NoisyColor) -> ElectronSource:
 
 
 def _seen(space: Space, white: Array, still: Array) -> Callable[[Array], Array]:
-    """Coordinates minus the noiseless ones, then the same of C*, then the color difference."""
-
-    def seen(xyz: Array) -> Array:
-        noisy = space.from_xyz(xyz, white)
-        away = noisy - still
-        if not space.has_color_difference:
-            return away
-        chroma = np.hypot(noisy[:, 1], noisy[:, 2]) - math.hypot(still[1], still[2])
-        return np.column_stack([away, chroma, np.linalg.norm(away, axis=1)])
-
-    return seen
+    """`_coordinates` minus those without noise."""
+    noiseless = still
+    if space.has_color_difference:
+        noiseless = np.array([*still, math.hypot(still[1], still[2]), 0.0])
+    return lambda xyz: _coordinates(space, xyz, white, still) - noiseless
 
 
 def _moments(

@@ -30,6 +30,7 @@ from chromanoise.color import (
     cielab,
     colored,
     noise_gain,
+    scene_xyz,
     white_normalized,
 )
 from chromanoise.metrics.snr import signal_snr_db
@@ -50,7 +51,6 @@ from chromanoise.spectra import (
     chart_on,
     chart_title,
     cie_1931,
-    color_axes,
     flat_field,
     is_infrared,
     light,
@@ -139,11 +139,11 @@ def chart_lab(
         Reflectances of the patches; those of the ColorChecker if ``None``.
     """
     scene = _white_and_chart(illuminant, chart)
-    truth = light(scene, "energy") @ color_axes(sensor.grid, "energy", matrix.observer)
     seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
     if not (seen[0] > 0).all():
         return None
-    return balanced_cielab(truth[1:] / truth[0]), balanced_cielab(seen[1:] / seen[0])
+    truth = _balanced_truth(scene, matrix.observer)
+    return balanced_cielab(truth), balanced_cielab(seen[1:] / seen[0])
 
 
 def mean_chart_errors(
@@ -220,7 +220,7 @@ def balanced_truth(point: OperatingPoint) -> Float[Array, "c 3"]:
 
 
 def _balanced_truth(scene: Scene, observer: str) -> Float[Array, "c 3"]:
-    truth = light(scene, "energy") @ color_axes(scene.illuminant.grid, "energy", observer)
+    truth = scene_xyz(scene, "energy", observer)
     return np.asarray(truth[1:] / truth[0])
 
 
@@ -505,15 +505,14 @@ def matrix_report(
     """
     white = flat_field(illuminant, level_lux=level_lux)
     white_e = expected_electrons(white, sensor, exposure)
-    axes = color_axes(sensor.grid, matrix.metric, matrix.observer)
-    white_xyz = light(white, matrix.metric) @ axes
+    white_xyz = scene_xyz(white, matrix.metric, matrix.observer)
     normalized = white_normalized(matrix.matrix, white_e, white_xyz)
     error = chart_color_error(sensor, matrix, exposure, illuminant, chart)
     patch_e, patch_xyz = white_e, white_xyz
     if patch is not None:
         scene = replace(white, reflectance=patch.values[:, 0])
         patch_e = expected_electrons(scene, sensor, exposure)
-        patch_xyz = light(scene, matrix.metric) @ color_axes(sensor.grid, matrix.metric)
+        patch_xyz = scene_xyz(scene, matrix.metric)
     decibels = signal_snr_db(colored(with_noise(patch_e, sensor, exposure), matrix), patch_xyz)
     filters = effective_filters(matrix, sensor, exposure)
     answers = filters * light(white, matrix.metric)[:, None]

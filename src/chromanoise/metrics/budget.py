@@ -91,6 +91,7 @@ from chromanoise.base import (
     dataclass,
     decibel,
     defined,
+    diagonal,
     inv,
     notebook,
     pinv,
@@ -344,8 +345,6 @@ class Seen:
         Electrons of the signal. [e-]
     noise_e
         Electrons whose shot noise counts. [e-]
-    sought_e
-        The signal for which the best linear readout is optimized. [e-]
     is_change
         Whether signals are changes of the electrons, which coarse rounding multiplies by the slope
         of the rounded mean. Otherwise signals are electrons, which it replaces by the rounded mean.
@@ -353,8 +352,12 @@ class Seen:
 
     signal_e: Float[Array, " p"]
     noise_e: Float[Array, " p"]
-    sought_e: Float[Array, " p"]
     is_change: bool = False
+
+    @property
+    def sought_e(self) -> Float[Array, " p"]:
+        """The signal for which the best linear readout is optimized: all electrons, or a change."""
+        return self.signal_e if self.is_change else self.noise_e
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -430,10 +433,12 @@ def _is_rounded(chain: Chain) -> bool:
     """Whether rounding depends on the other noise: the step of a channel exceeds its noise."""
     if after_counting(chain.crosstalk) is not None:
         return False
-    seen = [chain.channels.with_infrared, chain.channels.without_infrared]
-    if chain.before_crosstalk is not None:
-        seen += [chain.before_crosstalk.with_infrared, chain.before_crosstalk.without_infrared]
-    return any(chain.noise.rounding_is_coarse(one.noise_e).any() for one in seen)
+    return any(
+        chain.noise.rounding_is_coarse(seen.noise_e).any()
+        for of in (chain.channels, chain.before_crosstalk)
+        if of is not None
+        for seen in (of.with_infrared, of.without_infrared)
+    )
 
 
 def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
@@ -461,8 +466,14 @@ def _more_noise(noise: NoiseSources) -> list[str]:
 
 
 def noise_causes(chain: Chain) -> frozenset[str]:
-    """The causes of the best linear readout: filters, crosstalk and all noise of the pixel."""
-    return frozenset(causes_of(chain)) - {WEIGHTS, CORRELATION, INFRARED}
+    """The causes of the best linear readout: filters, crosstalk and all noise of the pixel.
+
+    The infrared is a part of the signal, unless that is a change of the light.
+    """
+    excluded = {WEIGHTS, CORRELATION}
+    if not chain.channels.with_infrared.is_change:
+        excluded.add(INFRARED)
+    return frozenset(causes_of(chain)) - excluded
 
 
 def counting_snr_db(
@@ -580,16 +591,12 @@ def _coupled_snrs_db(
     inside = counted + _added_e2(noise, counted, sets, ALL - READ_OUT)
     after = _added_e2(noise, counted, sets, READ_OUT)
     if row is None:
-        covariance = congruence(coupling, _diagonal(inside)) + _diagonal(after)
+        covariance = congruence(coupling, diagonal(inside)) + diagonal(after)
         rows = pinv("noise with crosstalk", covariance) @ seen.sought_e
     else:
         rows = row[None]
     variance = ((rows @ coupling) ** 2 * inside + rows**2 * after).sum(axis=1)
     return np.asarray(decibel(np.abs(rows @ seen.signal_e) / np.sqrt(variance)))
-
-
-def _diagonal(variance: Float[Array, "s p"]) -> Float[Array, "s p p"]:
-    return variance[..., None] * np.eye(variance.shape[-1])
 
 
 def chain_budget(
@@ -598,7 +605,6 @@ def chain_budget(
     causes: tuple[str, ...],
     readings: dict[str, str],
     *,
-    optimal_linear_snr_db: float,
     snr_db: float,
     counted_infrared: bool = False,
 ) -> Budget:
@@ -612,7 +618,7 @@ def chain_budget(
         The causes that are switched: `causes_of`.
     readings
         One sentence per cause and for "rest".
-    optimal_linear_snr_db, snr_db
+    snr_db
         As `Budget`. [dB]
     counted_infrared
         Whether the SNR counts the electrons of the infrared as signal.
@@ -643,7 +649,7 @@ def chain_budget(
             )
             for name, cost_db in found.items()
         ),
-        optimal_linear_snr_db=optimal_linear_snr_db,
+        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain)),
         snr_db=snr_db,
     )
 
@@ -798,7 +804,7 @@ def color_budget(
         of = _electrons(scene, of_sensor, exposure)
         return Channels(
             without_infrared=_seen(of.all_e),
-            with_infrared=Seen(signal_e=of.visible_e, noise_e=of.all_e, sought_e=of.all_e),
+            with_infrared=Seen(signal_e=of.visible_e, noise_e=of.all_e),
             row=row,
             single_row=weights_one_by_one(axis, frame),
         )
@@ -821,7 +827,6 @@ def color_budget(
         coordinate,
         causes,
         readings,
-        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain)),
         snr_db=all_light,
         counted_infrared=True,
     )
@@ -884,7 +889,6 @@ def contravariant_budget(
         f"M^{channel}",
         causes,
         readings,
-        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain)),
         snr_db=chain_snr_db(chain, frozenset(causes)),
     )
 
@@ -953,7 +957,7 @@ def _electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> _Electrons:
 
 
 def _seen(electrons: Float[Array, " p"]) -> Seen:
-    return Seen(signal_e=electrons, noise_e=electrons, sought_e=electrons)
+    return Seen(signal_e=electrons, noise_e=electrons)
 
 
 def _chain(
@@ -1078,17 +1082,15 @@ def lab_budget(
         return None
 
     def channels(of_sensor: Sensor, frame: DualBasis, rows: Float[Array, "3 p"]) -> Channels:
-        basis, visible = (
-            measurement_vectors(of_sensor, exposure, "quanta"),
-            ~is_infrared(sensor.grid),
-        )
+        basis = measurement_vectors(of_sensor, exposure, "quanta")
+        visible = ~is_infrared(sensor.grid)
         cut, whole = (change * visible) @ basis, change @ basis
         noise_e, visible_e = got.light @ basis, (got.light * visible) @ basis
         axes = color_axes(sensor.grid, frame.metric, matrix.observer)
         one_by_one = [weights_one_by_one(axis, frame) for axis in axes.T]
         return Channels(
-            without_infrared=Seen(signal_e=cut, noise_e=visible_e, sought_e=cut, is_change=True),
-            with_infrared=Seen(signal_e=whole, noise_e=noise_e, sought_e=whole, is_change=True),
+            without_infrared=Seen(signal_e=cut, noise_e=visible_e, is_change=True),
+            with_infrared=Seen(signal_e=whole, noise_e=noise_e, is_change=True),
             row=_sum_of(slope[:, None] * rows),
             single_row=_sum_of(slope[:, None] * np.stack(one_by_one)),
         )
@@ -1116,7 +1118,6 @@ def lab_budget(
         coordinate,
         causes_of(chain),
         readings,
-        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain) | {INFRARED}),
         snr_db=-10 * float(np.log10(row @ noise @ row)),
     )
 

@@ -256,12 +256,8 @@ def _squared_distance(
     sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))  # variances of 1 keep the digits
     scale = np.where(sd > 0, sd, 1.0)
     correlation = covariance / scale[..., None] / scale[..., None, :]
-    sides = [difference / scale] + ([] if direction is None else [direction / scale])
-    right = np.stack(sides, axis=-1)
-    left = solve("mean covariance of two patches", correlation, right)
-    if direction is not None:
-        left, right = (_without_direction(left, right, each) for each in (left, right))
-    return np.asarray(np.maximum((right * left).sum(axis=-2)[..., 0], 0.0))
+    right = _columns(difference, direction) / scale[..., None]
+    return _length(solve("mean covariance of two patches", correlation, right), right)
 
 
 def _squared_distance_of_variances(
@@ -271,13 +267,22 @@ def _squared_distance_of_variances(
 ) -> Float[Array, "*m"]:
     sure = variance == 0
     endless = (sure & (difference != 0)).any(axis=-1)
-    sides = [difference] + ([] if direction is None else [direction])
-    right = np.stack(sides, axis=-1)
+    right = _columns(difference, direction)
     left = right / np.where(sure, np.inf, variance)[..., None]
-    if direction is not None:
+    return np.where(endless, np.inf, _length(left, right))
+
+
+def _columns(
+    difference: Float[Array, "*m p"], direction: Float[Array, "*m p"] | None
+) -> Float[Array, "*m p k"]:
+    return np.stack([one for one in (difference, direction) if one is not None], axis=-1)
+
+
+def _length(left: Float[Array, "*m p k"], right: Float[Array, "*m p k"]) -> Float[Array, "*m"]:
+    """Product of the first columns, less their components along the second, if there are two."""
+    if right.shape[-1] == 2:
         left, right = (_without_direction(left, right, each) for each in (left, right))
-    squared = (right * left).sum(axis=-2)[..., 0]
-    return np.asarray(np.where(endless, np.inf, np.maximum(squared, 0.0)))
+    return np.asarray(np.maximum((right * left).sum(axis=-2)[..., 0], 0.0))
 
 
 def _without_direction(

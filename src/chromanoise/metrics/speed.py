@@ -280,7 +280,9 @@ def noise_speed(
     The result is for a single pixel, without demosaicing, and without dark current, because the
     exposure has no time.
     """
-    per_lxs = _electrons_per_lux_second(sensor, illuminant)
+    # at f/0.5 the illuminance of focal plane and white scene are equal: 4 f#^2 = 1
+    focal_plane = Exposure(time_s=1.0, f_number=0.5)
+    per_lxs = _gray_electrons_per_lux(sensor, illuminant, focal_plane, 1.0)
     check.same_length("channels", sensor=per_lxs.size, rgb_matrix=rgb_matrix.shape[1])
     gray = check.finite("rgb_matrix", "1/e-", rgb_matrix) @ per_lxs
     if not (gray > 0).all():
@@ -295,10 +297,7 @@ def noise_speed(
     y = np.asarray(model.luminance_weights) @ np.array([red, green, blue])
     rows, shares = np.stack([y, red - y, blue - y]), (1.0, model.red_weight, model.blue_weight)
     timeless = replace(sensor, pixel=replace(sensor.pixel, dark_current_e_per_s=0.0))
-    noise = noise_sources(timeless)
-    level = _light(
-        per_lxs, rows, shares, snr=snr, noise=noise, coupling=after_counting(sensor.crosstalk)
-    )
+    level = _light(per_lxs, rows, shares, timeless, snr=snr)
     exposure_lxs = _unless_saturated(float(level), per_lxs, sensor)
     return None if exposure_lxs is None else model.constant / exposure_lxs
 
@@ -307,15 +306,16 @@ def _light(
     per_light: Array,
     rows: Float[Array, "k p"],
     shares: tuple[float, ...],
+    sensor: Sensor,
+    exposure: Exposure | None = None,
     *,
     snr: float,
-    noise: NoiseSources,
-    coupling: Float[Array, "p p"] | None = None,
 ) -> Array:
     """The positive root of E^2 a - q^2 b E - q^2 c = 0 for the signal of the first of ``rows``.
 
     Its noise is the sum of the variances of all rows, times ``shares``.
     """
+    noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
     per_light = counted_electrons(per_light, coupling)
     pattern = noise.pattern_e2(per_light) @ (np.asarray(shares) @ rows**2)
     law = noise.law()
@@ -383,9 +383,7 @@ def _level_of_row(
     check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
     check.among("coordinate", coordinate, matrix.coordinates)
     row = matrix.matrix[matrix.coordinates.index(coordinate)]
-    noise = noise_sources(sensor, exposure)
-    coupling = after_counting(sensor.crosstalk)
-    return float(_light(per_lux, row[None], (1.0,), snr=snr, noise=noise, coupling=coupling))
+    return float(_light(per_lux, row[None], (1.0,), sensor, exposure, snr=snr))
 
 
 def _lowest_kept(
@@ -413,10 +411,3 @@ def _unless_saturated(
     if not np.isfinite(level) or saturated(level * per_light, sensor, exposure).any():
         return None
     return level
-
-
-def _electrons_per_lux_second(sensor: Sensor, illuminant: Illuminant) -> Array:
-    """Electrons per channel for 1 lx s of the lamp on the focal plane. [e-]"""
-    scene = flat_field(illuminant, level_lux=1.0, reflectance=1.0)
-    # at f/0.5 the illuminance of focal plane and white scene are equal: 4 f#^2 = 1
-    return expected_electrons(scene, sensor, Exposure(time_s=1.0, f_number=0.5))

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, check, dataclass
+from chromanoise.base import Array, Bool, Float, InputError, check, dataclass, diagonal
 from chromanoise.noise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
 from chromanoise.noise.readout import (
@@ -135,7 +135,7 @@ def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
     """
     return Measurement(
         mean=moments.mean,
-        covariance=moments.variance[..., None] * np.eye(moments.mean.shape[-1]),
+        covariance=diagonal(moments.variance),
         names=names,
         kind="raw",
         unit="e-",

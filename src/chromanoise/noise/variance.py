@@ -30,6 +30,7 @@ from chromanoise.base import (
     check,
     congruence,
     dataclass,
+    diagonal,
     inv,
 )
 from chromanoise.noise.exposure import Exposure
@@ -610,7 +611,7 @@ def raw_covariance(
     """
     mean = check.non_negative("mean_e", "e-", mean_e)
     read = check.not_negative("read_noise_e", "e-", read_noise_e)
-    return _diagonal(mean + read**2)
+    return diagonal(mean + read**2)
 
 
 def with_noise(
@@ -756,9 +757,9 @@ def _coupled(
 ) -> Float[Array, "*px p p"]:
     """Covariance of the readings; their variance without mixing contains `after_counting_e2`."""
     if coupling is None:
-        return _diagonal(variance_e2)
-    after = _diagonal(np.broadcast_to(after_e2, variance_e2.shape))
-    return congruence(coupling, _diagonal(variance_e2) - after) + after
+        return diagonal(variance_e2)
+    after = diagonal(np.broadcast_to(after_e2, variance_e2.shape))
+    return congruence(coupling, diagonal(variance_e2) - after) + after
 
 
 def saturated(
@@ -824,7 +825,3 @@ def signal_limit_e(sensor: Sensor, exposure: Exposure | None = None) -> float:
     pixel = sensor.pixel
     dark_e = 0.0 if exposure is None else pixel.dark_electrons_e(time_s=exposure.time_s)
     return white_level_e(sensor, dark_e=dark_e)
-
-
-def _diagonal(variance: Float[Array, "*px p"]) -> Float[Array, "*px p p"]:
-    return variance[..., None] * np.eye(variance.shape[-1])
