@@ -58,13 +58,8 @@ def non_negative(name: str, unit: str, values: Any) -> Array:
 
 def fraction(name: str, unit: str, values: Any) -> Array:
     """``values`` as float64; raises `InputError` if an entry is not between 0 and 1."""
-    return _demand(
-        name,
-        unit,
-        values,
-        "between 0 and 1 (percent? divide by 100)",
-        lambda v: (v >= 0) & (v <= 1),
-    )
+    demand = "between 0 and 1 (percent? divide by 100)"
+    return _demand(name, unit, values, demand, lambda v: (v >= 0) & (v <= 1))
 
 
 def number(text: str, subject: str, requirement: str, **said: Any) -> float:

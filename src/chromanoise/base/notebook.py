@@ -59,13 +59,7 @@ def curves(
     across = _EDGE + (x - x[0]) / (x[-1] - x[0]) * (_WIDTH - 2 * _EDGE)
     down = _HEIGHT - _EDGE - values / top * (_HEIGHT - 2 * _EDGE)
     drawn = "".join(
-        _curve(
-            across,
-            down[:, i],
-            name,
-            _color(name),
-            at=_alone(values, i),
-        )
+        _curve(across, down[:, i], name, _color(name), at=_alone(values, i))
         for i, name in enumerate(names)
     )
     ends = (

@@ -60,13 +60,12 @@ def refuse_absent_package(
     needed_by: str,
     *,
     extra: str,
-    where: str = "",
     value: Any = None,
     otherwise: Sequence[Remedy] = (),
 ) -> None:
     """Like `optional_package`, for a package that is imported later or by another process."""
     if is_absent(name):
-        raise _absent(name, needed_by, extra, where, value, otherwise)
+        raise _absent(name, needed_by, extra, "", value, otherwise)
 
 
 def is_absent(name: str) -> bool:

@@ -109,11 +109,11 @@ class RecordError(ValueError):
 _REFUSED: Any = object()
 
 
-def _takes_place(check: Callable[..., Any], values: int) -> bool:
-    """Whether a check takes a `Place` after its values."""
+def _takes_place(check: Callable[..., Any]) -> bool:
+    """Whether a check takes a `Place` after its value."""
     known = _TAKES_PLACE.get(check)
     if known is None:
-        known = _TAKES_PLACE[check] = len(inspect.signature(check).parameters) > values
+        known = _TAKES_PLACE[check] = len(inspect.signature(check).parameters) > 1
     return known
 
 
@@ -212,7 +212,7 @@ class After:
     def checked(self, value: Any, place: Place) -> Any:
         """The value that the check returns."""
         try:
-            return self.check(value, place) if _takes_place(self.check, 1) else self.check(value)
+            return self.check(value, place) if _takes_place(self.check) else self.check(value)
         except InputError as error:
             place.faults.append(Fault(place.key, error.inside(dotted(place.key), str)))
             return _REFUSED
@@ -524,7 +524,7 @@ def _checks_of_record(cls: type[Record]) -> list[tuple[Any, bool]]:
             for name, method in vars(base).items()
             if getattr(method, "checks_record", False)
         }
-        checks = [(one, _takes_place(one, 1)) for one in found.values()]
+        checks = [(one, _takes_place(one)) for one in found.values()]
         type.__setattr__(cls, "_record_checks", checks)
     checked: list[tuple[Any, bool]] = cls.__dict__["_record_checks"]
     return checked

@@ -194,11 +194,7 @@ class _Child:
                 pickle.dump((function, given, folder, limit_s, memory_bytes), writes)
                 writes.flush()
                 how, what = pickle.load(reads)
-            except (
-                OSError,
-                EOFError,
-                pickle.UnpicklingError,
-            ):  # it ended without a reply
+            except (OSError, EOFError, pickle.UnpicklingError):  # it ended without a reply
                 raise _fault(self._exit_code(), limit_s) from None
             except BaseException:  # Ctrl-C or MemoryError: its reply will not be read
                 self._end()

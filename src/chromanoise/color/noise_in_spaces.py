@@ -63,8 +63,7 @@ class ElectronSource:
     def __post_init__(self) -> None:
         mean = check.non_negative("mean_e", "e-", self.mean_e)
         check.same_length("channels", mean_e=mean.shape[-1], matrix=self.matrix.shape[1])
-        object.__setattr__(self, "mean_e", mean)
-        check.freeze(self, "mean_e", "matrix")
+        check.keep(self, mean_e=mean, matrix=self.matrix)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -65,7 +65,7 @@ class RootPolynomial:
         p, pairs = len(self.channels), len(_pairs(len(self.channels), self.degree))
         check.same_length("coordinates", names=len(self.coordinates), matrix=matrix.shape[0])
         check.same_length("terms", channels_and_roots=p + pairs, matrix=matrix.shape[1])
-        object.__setattr__(self, "matrix", check.frozen(matrix))
+        check.keep(self, matrix=matrix)
 
 
 def rooted(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, "*px q"]:

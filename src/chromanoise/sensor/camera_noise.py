@@ -292,13 +292,8 @@ def eld_noise(
     offsets = None
     if params.get("color_bias") is not None:
         given = check.finite("color_bias", "DN", params["color_bias"])
-        if given.ndim != 2 or given.shape[1] != 4:
-            raise InputError(
-                "color_bias",
-                "must have rows of 4 values: R, G1, B, G2 [DN]",
-                value=given.shape,
-                found=f"has shape {given.shape}",
-            )
+        rows = given.ndim == 2 and given.shape[1] == 4
+        check.shape("color_bias", given, rows, "must have rows of 4 values: R, G1, B, G2 [DN]")
         offsets = given[:, [0, 1, 3, 2]]
     return (low, high), {
         "tail_lambda": shapes,
@@ -514,27 +509,20 @@ class CameraNoise:
                 )
         if self.black_offsets_dn is not None:
             offsets = check.finite("black_offsets_dn", "DN", self.black_offsets_dn)
-            if offsets.ndim != 2 or not offsets.size or offsets.shape[1] != len(self.names):
-                raise InputError(
-                    "black_offsets_dn",
-                    f"must have rows of {len(self.names)} values, one per channel",
-                    value=offsets.shape,
-                    found=f"has shape {offsets.shape}",
-                )
-            object.__setattr__(self, "black_offsets_dn", check.frozen(offsets))
+            count = len(self.names)
+            rows = offsets.ndim == 2 and offsets.size > 0 and offsets.shape[1] == count
+            need = f"must have rows of {count} values, one per channel"
+            check.shape("black_offsets_dn", offsets, rows, need)
+            check.keep(self, black_offsets_dn=offsets)
 
     def _per_channel(self, name: str, unit: str, most: float) -> Array:
         values = check.non_negative(name, unit, getattr(self, name))
-        if values.shape != (len(self.names),):
-            raise InputError(
-                name,
-                f"must have one value for each of {len(self.names)} channels [{unit}]",
-                value=values.shape,
-                found=f"has shape {values.shape}",
-            )
+        count = len(self.names)
+        need = f"must have one value for each of {count} channels [{unit}]"
+        check.shape(name, values, values.shape == (count,), need)
         if (values > most).any():
             raise InputError(name, f"must be at most {most:g} [{unit}]", value=float(values.max()))
-        object.__setattr__(self, name, check.frozen(values))
+        check.keep(self, **{name: values})
         return values
 
     def at_iso(self, iso: float) -> "CameraNoise":

@@ -632,8 +632,7 @@ class ReadNoiseTable:
         above_zero("gain_dn_per_e", "DN/e-", gain)
         noise = above_zero("read_noise_dn", "DN", self.read_noise_dn)
         check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
-        object.__setattr__(self, "gain_dn_per_e", check.frozen(gain))
-        object.__setattr__(self, "read_noise_dn", check.frozen(noise))
+        check.keep(self, gain_dn_per_e=gain, read_noise_dn=noise)
 
     def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
         """The read noise at a gain; it does not scatter, so ``score`` is not used. [DN]

@@ -83,7 +83,7 @@ class PhotonTransfer:
             check.same_length("rows", dark=self.dark.size, **{name: values.size})
             what = f"|{name}|" if signed else name
             check.within(f"largest {what} of {self.source}", unit, _largest(values), 0, most)
-            object.__setattr__(self, name, check.frozen(values))
+            check.keep(self, **{name: values})
         if self.samples is not None:
             check.same_length("rows", mean_dn=self.mean_dn.size, samples=self.samples.size)
             bad = ~((self.samples >= 2) & (self.samples <= _MOST_SAMPLES))

@@ -8,7 +8,6 @@ kind exists only in the infrared.
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from importlib import import_module
 
 import numpy as np
 
@@ -59,11 +58,12 @@ def gaussian(center_nm: float, sd_nm: float) -> Float[Array, " n"]:
 
 
 def pixel_means(
-    values: Float[Array, "labels k"], label: Integer[Array, "sh sw"], *, subpixels: int
+    values: Float[Array, "labels k"], label: Integer[Array, "sh sw"]
 ) -> Float[Array, "h w k"]:
-    """Mean of ``values[label]`` over the ``subpixels`` x ``subpixels`` samples of each pixel."""
-    first = [label[i::subpixels, j::subpixels] for i in range(subpixels) for j in range(subpixels)]
-    return sum(values[one] for one in first) / np.float32(subpixels**2)
+    """Mean of ``values[label]`` over the 4 x 4 samples of each pixel."""
+    firsts = np.ndindex(_SUBPIXELS, _SUBPIXELS)
+    samples = (values[label[i::_SUBPIXELS, j::_SUBPIXELS]] for i, j in firsts)
+    return sum(samples) / np.float32(_SUBPIXELS**2)
 
 
 def mixed_reflectances(
@@ -209,7 +209,7 @@ def dead_leaves_cube() -> Cube:
     mixtures = np.concatenate(
         [_random_mixtures(radii.size, len(chart), of=k) for k in (0, 1)], axis=1
     )
-    shares = pixel_means(mixtures.astype(np.float32), label, subpixels=_SUBPIXELS)
+    shares = pixel_means(mixtures.astype(np.float32), label)
     parts = np.concatenate([chart * (1.0 - infrared), chart * infrared])
     return Cube(
         wavelength_nm=DEFAULT_GRID.wavelength_nm,
@@ -317,7 +317,7 @@ def foliage_cube() -> Cube:
         shares[2 * np.arange(_LEAVES) + half, kind] = light
     for k, name in enumerate(_GROUND):
         shares[2 * _LEAVES + k, materials.index(name)] = 1.0
-    seen = pixel_means(shares, label, subpixels=_SUBPIXELS)
+    seen = pixel_means(shares, label)
     cloth = sum(seen[..., materials.index(name)] for name in ("black cotton", "blue cotton"))
     gain = _illumination() * (1.0 + _TEXTURE * _pink_noise()) * (1.0 + cloth * _weave())
     return Cube(
@@ -569,12 +569,12 @@ def _metameric_black(difference: Float[Array, " n"]) -> Float[Array, " n"]:
     return difference - orthonormal @ (orthonormal.T @ difference)
 
 
-_MAKERS = {
-    "builtin:checker": "checker_cube",
-    "builtin:dead-leaves": "dead_leaves_cube",
-    "builtin:slanted-edges": "slanted_edges_cube",
-    "builtin:foliage": "foliage_cube",
-}  # by name, because every command lists the cubes and few make one
+_MAKERS: Mapping[str, Callable[[], Cube]] = {
+    "builtin:checker": checker_cube,
+    "builtin:dead-leaves": dead_leaves_cube,
+    "builtin:slanted-edges": slanted_edges_cube,
+    "builtin:foliage": foliage_cube,
+}
 BUILTIN_CUBES = tuple(_MAKERS)
 """The names of all built-in cubes, such as ``builtin:checker``."""
 
@@ -592,6 +592,4 @@ def builtin_cube(name: str) -> Cube:
     InputError
         If no built-in cube has this name.
     """
-    name = check.one_of("scene", name, BUILTIN_CUBES)
-    cube: Cube = getattr(import_module("chromanoise.spectra"), _MAKERS[name])()
-    return cube
+    return _MAKERS[check.one_of("scene", name, BUILTIN_CUBES)]()

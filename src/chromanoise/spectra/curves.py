@@ -172,8 +172,7 @@ class Spectra:
             raise InputError(where, "must be (wavelengths, curves)", value=values.shape)
         check.same_length("wavelengths", wavelength_nm=wavelength.size, values=values.shape[0])
         check.same_length("curves", names=len(self.names), values=values.shape[1])
-        object.__setattr__(self, "wavelength_nm", check.frozen(wavelength))
-        object.__setattr__(self, "values", check.frozen(values))
+        check.keep(self, wavelength_nm=wavelength, values=values)
         object.__setattr__(self, "names", check.distinct(f"names of {where}", self.names))
 
 

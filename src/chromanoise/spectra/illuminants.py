@@ -80,7 +80,7 @@ class Illuminant:
         name = f"irradiance of illuminant {self.name}"
         checked = check.non_negative(name, "W m-2 nm-1 lx-1", self.irradiance)
         check.same_length("wavelengths", grid=self.grid.n, irradiance=checked.size)
-        object.__setattr__(self, "irradiance", check.frozen(checked))
+        check.keep(self, irradiance=checked)
 
 
 def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:

@@ -87,10 +87,6 @@ class Provenance:
     range_nm: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        check.among(f"kind of {self.name}", self.kind, get_args(Kind))
-        check.among(f"level of {self.name}", self.level, _LEVELS)
-        if self.per is not None:
-            check.among(f"per of {self.name}", self.per, _PERS)
         if self.pixel and not self.pixel_source:
             raise InputError(
                 f"pixel of {self.name}", "must have a source, as every number of the catalog"

@@ -134,7 +134,7 @@ class PatchPairs:
             raise InputError(
                 "pairs", f"must be indices from 0 to {count - 1}", value=int(indices[outside][0])
             )
-        object.__setattr__(self, "indices", check.frozen(indices))
+        check.keep(self, indices=indices)
 
     @property
     def names(self) -> tuple[tuple[str, str], ...]:

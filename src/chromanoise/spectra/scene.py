@@ -55,7 +55,7 @@ class Scene:
         check.same_length(
             "wavelengths", illuminant=self.illuminant.grid.n, reflectance=rho.shape[-1]
         )
-        object.__setattr__(self, "reflectance", check.frozen(rho))
+        check.keep(self, reflectance=rho)
 
 
 def flat_field(illuminant: Illuminant, *, level_lux: float, reflectance: float = 1.0) -> Scene:
@@ -136,7 +136,7 @@ class Cube:
                 found=f"has {self.stored.shape[2]} bands and {wavelength.size} wavelengths",
             )
         check.positive(f"scale of {self.source}", "reflectance per stored unit", self.scale)
-        object.__setattr__(self, "wavelength_nm", check.frozen(wavelength))
+        check.keep(self, wavelength_nm=wavelength)
 
 
 BRIGHTEST = 2.0

@@ -22,8 +22,21 @@ from chromanoise.base import Array, InputError, Integer, Shaped, UInt8, dataclas
 _MOST_UNUSED = 4  # times the bytes wanted; above, unused bytes are not kept in memory
 
 
+class _SingleRows:
+    """A source whose rows are stored one by one, and read into new memory."""
+
+    @property
+    def chunk_rows(self) -> int:
+        """Number of rows that are stored, and therefore decoded, together."""
+        return 1
+
+    def scratch_bytes(self, rows: int) -> int:
+        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
+        return 0
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FileRows:
+class FileRows(_SingleRows):
     """Numbers stored uncompressed in a file, in any order of the axes.
 
     Attributes
@@ -66,11 +79,6 @@ class FileRows:
         """Type of the result of ``rows``, in the byte order of this machine."""
         return self.stored.newbyteorder("=")
 
-    @property
-    def chunk_rows(self) -> int:
-        """Number of rows that are stored, and therefore decoded, together."""
-        return 1
-
     def rows(
         self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
     ) -> Shaped[Array, "rows w m"]:
@@ -108,7 +116,7 @@ class FileRows:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PlaneRows:
+class PlaneRows(_SingleRows):
     """A cube of one source per band: pages of one file, or separate files.
 
     Attributes
@@ -143,11 +151,6 @@ class PlaneRows:
     def dtype(self) -> np.dtype:
         """Type of the result of ``rows``, in the byte order of this machine."""
         return self.planes[0].dtype
-
-    @property
-    def chunk_rows(self) -> int:
-        """Number of rows that are stored, and therefore decoded, together."""
-        return 1
 
     def rows(
         self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
@@ -347,7 +350,7 @@ class RowSource(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ArrayRows:
+class ArrayRows(_SingleRows):
     """An array in memory, or any object that can be sliced like one (a dask array).
 
     Attributes
@@ -381,10 +384,6 @@ class ArrayRows:
         """The rows ``start`` to ``stop``, with the strides in which they are stored."""
         refuse_other_rows("the array", self.shape, start, stop)
         return np.asarray(self.array[start:stop]).astype(self.dtype, copy=False)
-
-    def scratch_bytes(self, rows: int) -> int:
-        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
-        return 0
 
     def with_bands(self, keep: slice) -> "ArrayRows":
         """The source restricted to some bands; nothing is read."""
@@ -435,7 +434,7 @@ class ReorderedRows:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PaletteRows:
+class PaletteRows(_SingleRows):
     """A cube of few different spectra: the pixels of a synthetic scene.
 
     Attributes
@@ -464,21 +463,12 @@ class PaletteRows:
         """Type of the result of ``rows``, in the byte order of this machine."""
         return self.palette.dtype
 
-    @property
-    def chunk_rows(self) -> int:
-        """Number of rows that are stored, and therefore decoded, together."""
-        return 1
-
     def rows(
         self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
     ) -> Shaped[Array, "rows w m"]:
         """The rows ``start`` to ``stop``, in new memory."""
         refuse_other_rows("the scene", self.shape, start, stop)
         return np.take(self.palette, self.index[start:stop], axis=0)
-
-    def scratch_bytes(self, rows: int) -> int:
-        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
-        return 0
 
     def with_bands(self, keep: slice) -> "PaletteRows":
         """The source restricted to some bands; nothing is read."""
