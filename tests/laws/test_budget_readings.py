@@ -20,12 +20,11 @@ import numpy as np
 import pytest
 
 from chromanoise.color import kernel_matrix
-from chromanoise.metrics import lab_budget, optimal_linear_snr_db
+from chromanoise.metrics import lab_budget
 from chromanoise.metrics.budget import color_budget, contravariant_budget
 from chromanoise.noise import Exposure
 from chromanoise.sensor import Pixel, Sensor
 from chromanoise.spectra import Grid, Illuminant, flat_field
-from strategies import raw_of
 
 GRID = Grid.uniform(450, 850, 100)
 PHOTONS = np.array([200.0, 200.0, 300.0, 0.0, 100.0])
@@ -126,18 +125,6 @@ def test_a_contravariant_budget_tells_the_channel_that_stands_alone():
         "metric quanta",
         "rest": "nothing is left",
     }
-
-
-def test_the_bound_is_the_sum_of_the_squared_raw_snrs_readout_included():
-    """110^2 / 210 twice and 130^2 / 230: 188.72, 22.76 dB."""
-    raw = raw_of(ELECTRONS, np.diag(VARIANCE))
-    budgets = [color_budget(GRAY, SENSOR, EXPOSURE, MATRIX, c) for c in "XYZ"]
-    budgets += [contravariant_budget(GRAY, SENSOR, EXPOSURE, MATRIX.frame, c) for c in "bgr"]
-    for budget in budgets:
-        assert budget.optimal_linear_snr_db == pytest.approx(22.758, abs=5e-4)
-        assert budget.optimal_linear_snr_db == pytest.approx(
-            float(optimal_linear_snr_db(raw)), abs=1e-9
-        )
 
 
 def test_stacked_channels_share_the_photons_of_one_pixel():
