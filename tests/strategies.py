@@ -27,6 +27,14 @@ def sensor_of(qe, *, grid=GRID, pixel=PIXEL, name="toy", names=None, **more):
     )
 
 
+RGB = bell_qe([600.0, 540.0, 460.0], [40.0, 40.0, 30.0], [0.5, 0.6, 0.5])
+
+
+def rgb_sensor(read_noise_e=10.0, full_well_e=10_000.0, **more):
+    """Red, green and blue bells."""
+    return sensor_of(RGB, pixel=pixel_with(read_noise_e, full_well_e), **more)
+
+
 def white_channel(qe=0.5, *, grid=GRID, pixel=PIXEL):
     """One channel that answers alike everywhere."""
     return sensor_of(np.full((grid.n, 1), qe), grid=grid, pixel=pixel, names=("W",))

@@ -23,14 +23,17 @@ from chromanoise.metrics.visual_noise import contrast_sensitivity, pixels_per_de
 from chromanoise.noise import Exposure, expected_electrons, with_noise
 from chromanoise.sensor import Pixel
 from chromanoise.spectra import equal_energy, flat_field
-from strategies import EXPOSURE, GRID, bell_qe, pixel_with, sensor_of, white_channel
+from strategies import (
+    EXPOSURE,
+    GRID,
+    RGB,
+    pixel_with,
+    rgb_sensor,
+    sensor_of,
+    white_channel,
+)
 
 LAMP = equal_energy(GRID)
-RGB = bell_qe([600.0, 540.0, 460.0], [40.0, 40.0, 30.0], [0.5, 0.6, 0.5])
-
-
-def rgb_sensor(read_noise_e, full_well_e=1e6):
-    return sensor_of(RGB, pixel=pixel_with(read_noise_e, full_well_e))
 
 
 # SNR10
@@ -53,7 +56,7 @@ def test_snr_1_with_10_electrons_of_read_noise_takes_10_and_a_half_electrons():
 @pytest.mark.parametrize("coordinate", ["X", "Y", "Z"])
 @pytest.mark.parametrize("snr", [0.1, 1.0, 10.0, 40.0])
 def test_at_the_level_of_snr_x_the_color_has_that_snr(read_noise_e, coordinate, snr):
-    sensor = rgb_sensor(read_noise_e)
+    sensor = rgb_sensor(read_noise_e, 1e6)
     matrix = kernel_matrix(sensor, EXPOSURE)
     lux = illuminance_for_snr(sensor, LAMP, EXPOSURE, matrix, snr=snr, coordinate=coordinate)
     scene = flat_field(LAMP, level_lux=lux, reflectance=0.18)
@@ -64,7 +67,7 @@ def test_at_the_level_of_snr_x_the_color_has_that_snr(read_noise_e, coordinate, 
 
 
 def test_twice_the_time_halves_the_illuminance_that_snr10_takes():
-    sensor = rgb_sensor(3.0)
+    sensor = rgb_sensor(3.0, 1e6)
     levels = []
     for time_s in (0.01, 0.02):
         exposure = Exposure(time_s=time_s, f_number=1.8)
@@ -103,7 +106,7 @@ def test_a_monochrome_sensor_without_readout_has_speed_10_over_snr_squared_elect
 
 def test_color_noise_enters_the_speed_with_the_weights_of_the_standard():
     # the definition, by covariance algebra at the exposure that the speed tells
-    sensor = rgb_sensor(4.0)
+    sensor = rgb_sensor(4.0, 1e6)
     matrix = np.array([[1.9, -0.7, -0.1], [-0.4, 1.8, -0.3], [0.0, -0.6, 1.7]])
     h = 10.0 / noise_speed(sensor, LAMP, matrix, snr=10.0)
     scene = flat_field(LAMP, level_lux=4 * h)  # 4 f#^2 = 4 at f/1
@@ -121,7 +124,7 @@ def test_without_weight_on_color_the_speed_is_that_of_luminance_alone():
     only_y = NoiseSpeedModel(
         edition="luminance", luminance_weights=(0.0, 1.0, 0.0), red_weight=0.0, blue_weight=0.0
     )
-    sensor = rgb_sensor(5.0)
+    sensor = rgb_sensor(5.0, 1e6)
     green = sensor_of(RGB[:, 1:2], pixel=sensor.pixel)
     assert noise_speed(sensor, LAMP, np.eye(3), model=only_y) == pytest.approx(
         noise_speed(green, LAMP, np.ones((3, 1)), model=only_y), rel=1e-12

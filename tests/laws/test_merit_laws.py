@@ -39,11 +39,10 @@ from chromanoise.metrics.visual_noise import (
 )
 from chromanoise.spectra import Grid, color_axes, equal_energy
 from outcomes import refused_input
-from strategies import EXPOSURE, GRID, bell_qe, mixes, pixel_with, sensor_of, sensors
+from strategies import EXPOSURE, GRID, RGB, bell_qe, mixes, pixel_with, sensor_of, sensors
 
 AXES = color_axes(GRID, "quanta") / color_axes(GRID, "quanta").max()
 LAMP = equal_energy(GRID)
-RGB = bell_qe([600.0, 540.0, 460.0], [40.0, 40.0, 30.0], [0.5, 0.6, 0.5])
 LIGHTS = np.abs(np.cumsum(np.random.default_rng(1).normal(size=(40, GRID.n)), axis=1)) + 0.1
 PRIOR = second_moment(LIGHTS)
 noises = st.floats(1e-3, 10.0)

@@ -15,7 +15,7 @@ from chromanoise.color import chart_training, cielab, colored, lmmse
 from chromanoise.imaging import bilinear_filters, demosaicked
 from chromanoise.metrics import matrix_report, visual_noise_of_picture
 from chromanoise.noise import OperatingPoint, expected_electrons, saturating_exposure, with_noise
-from chromanoise.sensor import Mosaic, Pixel, bayer, crosstalk_of_share, with_crosstalk, with_pixel
+from chromanoise.sensor import Mosaic, bayer, crosstalk_of_share, with_crosstalk, with_pixel
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,
@@ -41,24 +41,31 @@ from chromanoise.study import (
     white_snr_db,
 )
 from outcomes import refused_input
-from strategies import EXPOSURE, GRID, bell_qe, pixel_with, sensor_of, sensors, white_channel
+from strategies import (
+    EXPOSURE,
+    GRID,
+    RGB,
+    bell_qe,
+    pixel_with,
+    rgb_sensor,
+    sensor_of,
+    sensors,
+    white_channel,
+)
 
 LAMP = equal_energy(GRID)
-RGB = bell_qe([600.0, 540.0, 460.0], [40.0, 40.0, 30.0], [0.5, 0.6, 0.5])
 
 
-def rgb_sensor(**more):
-    return sensor_of(RGB, names=("R", "G", "B"), **more)
+def point_of(sensor, exposure=EXPOSURE, lux=10.0):
+    lamp = equal_energy(sensor.grid)
+    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
 
 
 def merits_at(sensor, *, exposure=EXPOSURE, lux=10.0, metric="quanta", method="kernel", **more):
-    lamp = equal_energy(sensor.grid)
     maker = matrix_makers([method], metric, prior="chart")[method]
-    operating_point = OperatingPoint(
-        sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux
-    )
-    white = flat_field(lamp, level_lux=lux)
-    analysis = analyzed(white, sensor, exposure, metric, matrix=maker(operating_point))
+    matrix = maker(point_of(sensor, exposure, lux))
+    white = flat_field(equal_energy(sensor.grid), level_lux=lux)
+    analysis = analyzed(white, sensor, exposure, metric, matrix=matrix)
     return merits_of(analysis, maker=maker, **more)
 
 
@@ -154,7 +161,7 @@ def test_the_noise_of_the_chart_is_the_mean_over_its_patches_also_with_prnu():
 
 @pytest.mark.parametrize("read_noise_e", [0.0, 30.0])
 def test_the_figure_of_merit_is_what_the_lmmse_matrix_of_the_chart_leaves(read_noise_e):
-    sensor = rgb_sensor(pixel=pixel_with(read_noise_e))
+    sensor = rgb_sensor(read_noise_e)
     training = chart_training(LAMP)
     matrix = lmmse(sensor, EXPOSURE, training, level_lux=10.0).matrix
     electrons = chart_electrons(sensor)
@@ -216,12 +223,9 @@ def test_the_adapting_matrix_has_snr_10_at_the_light_for_which_it_is_made():
     sensor = rgb_sensor()
     lux = values(merits_at(sensor, method="lmmse"))["snr10_adapted"]
     maker = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"]
-    operating_point = OperatingPoint(
-        sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=lux
-    )
     gray = flat_field(LAMP, level_lux=lux, reflectance=0.18)
     raw = with_noise(expected_electrons(gray, sensor, EXPOSURE), sensor)
-    color = colored(raw, maker(operating_point))
+    color = colored(raw, maker(point_of(sensor, lux=lux)))
     assert color.mean[1] / np.sqrt(color.variance[1]) == pytest.approx(10.0, rel=1e-9)
 
 
@@ -280,7 +284,7 @@ def test_visual_noise_of_one_channel_is_the_area_under_the_luminance_csf():
 
 
 def test_crosstalk_after_counting_is_undone_where_the_readout_adds_no_noise():
-    plain = rgb_sensor(mosaic=bayer(), pixel=Pixel(pitch_um=10, full_well_e=1e9, read_noise_e=0))
+    plain = rgb_sensor(0.0, 1e9, mosaic=bayer(), names=("R", "G", "B"))
     mixing = replace(crosstalk_of_share(0.2, bayer(), plain.names), stage="charge")
     coupled = merits_at(with_crosstalk(plain, mixing))
     names = ("visual_noise", "figure_of_merit", "information")
@@ -300,7 +304,7 @@ def test_a_mosaic_of_one_channel_leaves_its_visual_noise_alone():
 
 
 def test_visual_noise_of_a_bayer_mosaic_is_that_of_simulated_pictures():
-    sensor = rgb_sensor(mosaic=bayer(), pixel=Pixel(pitch_um=10, full_well_e=1e9, read_noise_e=0))
+    sensor = rgb_sensor(0.0, 1e9, mosaic=bayer(), names=("R", "G", "B"))
     exposure = filled(sensor, 0.5)
     predicted = values(merits_at(sensor, exposure=exposure))["visual_noise_bilinear"]
     lamp_white = flat_field(LAMP, level_lux=10.0)
@@ -340,7 +344,7 @@ def test_visual_noise_of_a_bayer_mosaic_is_that_of_simulated_pictures():
 
 
 def test_a_white_that_fills_a_channel_hides_what_follows_eq_7_and_says_why():
-    sensor = rgb_sensor(mosaic=bayer())
+    sensor = rgb_sensor(mosaic=bayer(), names=("R", "G", "B"))
     exposure = filled(sensor, 1.0)
     result = merits_at(sensor, exposure=replace(exposure, time_s=4 * exposure.time_s))
     hidden = {entry.name for entry in result.entries if "saturated" in entry.missing}
@@ -390,28 +394,23 @@ def test_a_merit_without_value_and_reason_is_refused(value, missing):
 @settings(max_examples=20, deadline=None)
 @given(sensors(min_channels=2), st.floats(0.01, 100.0))
 def test_along_the_curve_color_error_grows_and_noise_falls(sensor, lux):
-    operating_point = OperatingPoint(
-        sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=lux
-    )
-    curve = pareto_of(operating_point, noise_weights(1e-3, 1e3), prior="chart")
+    curve = pareto_of(point_of(sensor, lux=lux), noise_weights(1e-3, 1e3), prior="chart")
     slack = 1e-9 * curve.color_error_rms.max()
     assert (np.diff(curve.color_error_rms) >= -slack).all()
     assert (np.diff(curve.noise_rms) <= 1e-9 * curve.noise_rms.max()).all()
 
 
 def test_at_weight_1_the_curve_has_the_lmmse_matrix():
-    operating_point = OperatingPoint(
-        sensor=rgb_sensor(), exposure=EXPOSURE, illuminant=LAMP, level_lux=1.0
+    sensor = rgb_sensor()
+    curve = pareto_of(
+        point_of(sensor, lux=1.0), noise_weights(0.01, 100.0, points=3), prior="chart"
     )
-    curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=3), prior="chart")
-    ours = lmmse(operating_point.sensor, EXPOSURE, chart_training(LAMP), level_lux=1.0)
+    ours = lmmse(sensor, EXPOSURE, chart_training(LAMP), level_lux=1.0)
     assert curve.matrix[1] == pytest.approx(ours.matrix, rel=1e-9)
 
 
 def reported(sensor, exposure):
-    operating_point = OperatingPoint(
-        sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=10.0
-    )
+    operating_point = point_of(sensor, exposure)
     matrix = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"](operating_point)
     report = matrix_report(matrix, sensor, exposure, LAMP, level_lux=10.0)
     return operating_point, matrix, report
@@ -462,11 +461,8 @@ def test_weights_that_make_no_curve_are_refused(asked, fields):
 
 
 def test_a_prior_that_nobody_named_is_refused():
-    operating_point = OperatingPoint(
-        sensor=rgb_sensor(), exposure=EXPOSURE, illuminant=LAMP, level_lux=1.0
-    )
     with refused_input(subject="prior", value="charts"):
-        pareto_of(operating_point, noise_weights(0.1, 1.0), prior="charts")
+        pareto_of(point_of(rgb_sensor()), noise_weights(0.1, 1.0), prior="charts")
 
 
 def test_a_viewing_from_nowhere_is_refused():

@@ -11,15 +11,10 @@ from chromanoise.metrics.speed import illuminance_for_snr, illuminance_for_snr_a
 from chromanoise.noise import expected_electrons, with_noise
 from chromanoise.spectra import equal_energy, flat_field
 from outcomes import refused_input
-from strategies import EXPOSURE, GRID, bell_qe, pixel_with, sensor_of, sensors, white_channel
+from strategies import EXPOSURE, GRID, pixel_with, rgb_sensor, sensor_of, sensors, white_channel
 
 LAMP = equal_energy(GRID)
 CHART = chart_training(LAMP)
-RGB = bell_qe([600.0, 540.0, 460.0], [40.0, 40.0, 30.0], [0.5, 0.6, 0.5])
-
-
-def rgb_sensor(read_noise_e, full_well_e=1e5):
-    return sensor_of(RGB, pixel=pixel_with(read_noise_e, full_well_e))
 
 
 def lmmse_at(sensor):
@@ -52,7 +47,7 @@ def test_one_matrix_at_all_levels_gives_the_snrx_of_that_matrix(sensor, snr, coo
 @pytest.mark.parametrize("read_noise_e", [0.0, 3.0, 30.0])
 @pytest.mark.parametrize(("snr", "coordinate"), [(10.0, "Y"), (1.0, "Y"), (0.1, "Y"), (10.0, "Z")])
 def test_at_the_level_of_snr_x_the_color_by_lmmse_has_that_snr(read_noise_e, snr, coordinate):
-    sensor = rgb_sensor(read_noise_e)
+    sensor = rgb_sensor(read_noise_e, 1e5)
     at = lmmse_at(sensor)
     lux = illuminance_for_snr_adapted(sensor, LAMP, EXPOSURE, at, snr=snr, coordinate=coordinate)
     assert snr_of(sensor, lux, at, coordinate) == pytest.approx(snr, rel=1e-9)
@@ -146,13 +141,13 @@ def test_a_sensor_that_sees_nothing_reaches_no_snr():
     ],
 )
 def test_what_cannot_be_asked_of_a_speed_is_refused(asked, subject):
-    sensor = rgb_sensor(3.0)
+    sensor = rgb_sensor(3.0, 1e5)
     with refused_input(subject=subject):
         illuminance_for_snr_adapted(sensor, LAMP, EXPOSURE, lmmse_at(sensor), **asked)
 
 
 def test_a_matrix_of_other_channels_is_refused():
-    sensor = rgb_sensor(3.0)
+    sensor = rgb_sensor(3.0, 1e5)
     swapped = kernel_matrix(replace(sensor, names=("c", "b", "a")), EXPOSURE)
     with refused_input(value={"sensor": ("a", "b", "c"), "matrix": ("c", "b", "a")}):
         illuminance_for_snr_adapted(sensor, LAMP, EXPOSURE, lambda lux: swapped)
