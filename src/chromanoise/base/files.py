@@ -41,7 +41,7 @@ from typing import IO, Any
 
 from chromanoise.base.errors import InputError, StudyError, errors_in
 from chromanoise.base.immutable import dataclass
-from chromanoise.base.inputs import json_file, json_of
+from chromanoise.base.inputs import json_file, json_of, true_path
 
 if sys.platform not in ("win32", "wasi"):
     import fcntl
@@ -100,7 +100,7 @@ def claimed_folder(folder: Path, command: str) -> Iterator["ClaimedFolder"]:
         If ``folder`` is a file, cannot be written, or another process is writing into it.
     """
     refuse_unwritable(folder)
-    goal = Path(os.path.realpath(folder))
+    goal = true_path(folder)
     place = _place(goal)
     missing = [parent for parent in (goal, *goal.parents) if not parent.exists()]
     scratch = place / f".{goal.name}-{secrets.token_hex(4)}"
@@ -355,7 +355,7 @@ def refuse_unwritable(folder: Path) -> None:
             f"cannot be written (no permission in {there})",
             remedy="name another folder",
         )
-    goal = Path(os.path.realpath(folder))
+    goal = true_path(folder)
     for place in (goal, goal.parent):
         _refuse_held(_lock_file(place, goal), folder)
 
@@ -381,7 +381,7 @@ def write_kept(path: Path, content: bytes) -> None:
     InputError
         As `write_whole`.
     """
-    goal = Path(os.path.realpath(path.parent))
+    goal = true_path(path.parent)
     own, new = _own_files(goal, path.parent), hashlib.sha256(content).hexdigest()
     entry = own.get(path.name)
     if entry is None:
@@ -419,7 +419,7 @@ def _prepared(path: Path, content: bytes) -> Iterator[Callable[[], object]]:
     scratch = None
     try:
         with _write_errors(path):
-            goal = Path(os.path.realpath(path))
+            goal = true_path(path)
             if goal.is_symlink():  # links in a loop have no target
                 raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
             goal.parent.mkdir(parents=True, exist_ok=True)

@@ -64,6 +64,7 @@ class Cubature:
         check.freeze(self, "points", "weights")
 
 
+@cache
 def gaussian_cubature(*, radii: int = 16, latitudes: int = 8, longitudes: int = 32) -> Cubature:
     """A product rule over the sphere for three standard normal variables.
 
@@ -101,7 +102,18 @@ def gaussian_cubature(*, radii: int = 16, latitudes: int = 8, longitudes: int = 
     for name, count in (("radii", radii), ("latitudes", latitudes), ("longitudes", longitudes)):
         if count < 2:
             raise InputError(name, "must be at least 2", value=count)
-    return _gaussian_cubature(radii, latitudes, longitudes)
+    r, r_weight = _radius_rule(radii)
+    k = np.arange(1, latitudes)
+    c, c_weight = _gauss_points(np.zeros(latitudes), k / np.sqrt(4.0 * k**2 - 1))  # of Legendre
+    c = (c + 1) / 2  # one hemisphere
+    i, j, k = np.indices((radii, latitudes, longitudes)).reshape(3, -1)
+    turn = (i * latitudes + j) / 1.618034  # golden: no two rings share a meridian
+    angle = 2 * np.pi * (k + turn) / longitudes
+    ring = np.sqrt(1 - c[j] ** 2)
+    direction = np.stack([c[j], ring * np.cos(angle), ring * np.sin(angle)], axis=-1)
+    points, weights = r[i, None] * direction, r_weight[i] * c_weight[j] / (2 * longitudes)
+    weights = np.concatenate([weights, weights])
+    return Cubature(points=np.concatenate([points, -points]), weights=weights / weights.sum())
 
 
 def gaussian_expectation(
@@ -295,22 +307,6 @@ def gaussian_moments(
         shift.reshape(*px, *shift.shape[1:]),
         covariance.reshape(*px, *covariance.shape[1:]),
     )
-
-
-@cache
-def _gaussian_cubature(radii: int, latitudes: int, longitudes: int) -> Cubature:
-    r, r_weight = _radius_rule(radii)
-    k = np.arange(1, latitudes)
-    c, c_weight = _gauss_points(np.zeros(latitudes), k / np.sqrt(4.0 * k**2 - 1))  # of Legendre
-    c = (c + 1) / 2  # one hemisphere
-    i, j, k = np.indices((radii, latitudes, longitudes)).reshape(3, -1)
-    turn = (i * latitudes + j) / 1.618034  # golden: no two rings share a meridian
-    angle = 2 * np.pi * (k + turn) / longitudes
-    ring = np.sqrt(1 - c[j] ** 2)
-    direction = np.stack([c[j], ring * np.cos(angle), ring * np.sin(angle)], axis=-1)
-    points, weights = r[i, None] * direction, r_weight[i] * c_weight[j] / (2 * longitudes)
-    weights = np.concatenate([weights, weights])
-    return Cubature(points=np.concatenate([points, -points]), weights=weights / weights.sum())
 
 
 _FEJER = 400  # points; the error of the means is rounding

@@ -1,6 +1,7 @@
 """Training sets for color matrices: reflectances, and their electrons and colors."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -243,20 +244,19 @@ def nir_diverse(
             remedy="take one that reaches to 1050 nm",
         )
     ramp = (at[beyond] - at[beyond][0]) / (at[beyond][-1] - at[beyond][0])
-    lines = [(a, b) for a, b in product(levels, levels)]
+    lines = list(product(levels, repeat=2))
     variants = np.repeat(training.reflectance[None], 1 + len(lines), axis=0)
     for variant, (a, b) in zip(variants[1:], lines, strict=True):
         variant[:, beyond] = a + (b - a) * ramp
     tags = ["", *(f", NIR {a:g} to {b:g}" for a, b in lines)]
     weights = training.weights
-    return Training(
-        illuminant=training.illuminant,
+    return replace(
+        training,
         reflectance=variants.reshape(-1, at.size),
         names=tuple(name + tag for tag in tags for name in training.names),
         source=f"{training.source}, NIR-diverse",
         weights=None if weights is None else np.tile(weights, len(tags)),
         notes=(*training.notes, f"each also with {len(lines)} lines beyond {edge_nm:g} nm"),
-        observer=training.observer,
     )
 
 

@@ -435,13 +435,7 @@ def patch_scene(operating_point: OperatingPoint) -> Scene:
     operating_point
         A sensor in its light, with its exposure.
     """
-    if operating_point.patch is None:
-        return white_scene(operating_point)
-    return Scene(
-        illuminant=operating_point.illuminant,
-        level_lux=operating_point.level_lux,
-        reflectance=operating_point.patch_reflectance,
-    )
+    return replace(white_scene(operating_point), reflectance=operating_point.patch_reflectance)
 
 
 def conditions(points: Sequence[OperatingPoint]) -> str:

@@ -155,7 +155,7 @@ def pixel_from_noise_profile(
 
 
 def pixel_without_levels(
-    profile: Float[Array, "p 2"], *, channels: Sequence[str] = (), source: str = "noise profile"
+    profile: Float[Array, "p 2"], *, source: str = "noise profile"
 ) -> PixelSource:
     """Read noise from a profile without levels, in electrons, rounding to codes included.
 
@@ -163,8 +163,6 @@ def pixel_without_levels(
     ----------
     profile
         S and O of each channel. [1]
-    channels
-        As `pixel_from_noise_profile`.
     source
         Where the numbers come from.
 
@@ -183,7 +181,7 @@ def pixel_without_levels(
     >>> round(pixel_without_levels(np.array([[2e-4, 1e-6]])).read_noise_e, 9)    # 5000 e- sqrt(O)
     5.0
     """
-    shot, dark = _of_all_channels(profile, channels, 0.0, 1.0, source)
+    shot, dark = _of_all_channels(profile, (), 0.0, 1.0, source)
     check.not_negative(f"O of {source}", "1", dark)
     return PixelSource(
         source=source,

@@ -32,7 +32,7 @@ from chromanoise.sensor.pixel import (
     of_the_sum,
     refuse_coarse_codes,
 )
-from chromanoise.sensor.sensor import Sensor
+from chromanoise.sensor.sensor import Sensor, behind_filter
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -284,9 +284,8 @@ def behind_ir_cut(sensor: Sensor, edge_nm: float, *, noted: bool = True) -> Sens
     """
     low, high = LOWEST_EDGE_NM, HIGHEST_EDGE_NM
     edge = check.within("edge_nm", "nm", edge_nm, low, high)
-    note = (f"behind an added model IR-cut at {edge:g} nm",) if noted else ()
-    qe = sensor.qe * ir_cut(sensor.grid, edge_nm=edge)[:, None]
-    return replace(sensor, qe=qe, notes=(*sensor.notes, *note))
+    note = f"behind an added model IR-cut at {edge:g} nm" if noted else ""
+    return behind_filter(sensor, ir_cut(sensor.grid, edge_nm=edge), name=sensor.name, note=note)
 
 
 def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:

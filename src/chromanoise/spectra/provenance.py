@@ -1,13 +1,12 @@
 """Provenance of tables and formulas, and tables in a user's own folder with a SOURCES.toml."""
 
-import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from chromanoise.base import InputError, check, dataclass
+from chromanoise.base import InputError, check, dataclass, true_path
 from chromanoise.spectra.curves import Beyond, Spectra
 from chromanoise.spectra.readers import read_spectra_csv, small_text
 
@@ -378,7 +377,7 @@ def _table(folder: Path, name: str, provenance: Provenance) -> UserTable:
     path = folder / f"{name}.csv"
     if not path.is_file():
         raise InputError(source, f"its table {path.name} is not in the same folder", where=where)
-    if Path(os.path.realpath(path)).parent != Path(os.path.realpath(folder)):
+    if true_path(path).parent != true_path(folder):
         raise InputError(
             str(path), "leads out of its folder", remedy="copy the table into the folder"
         )
