@@ -27,3 +27,22 @@ def scores_of_moments(found, moment, total):
 def correlation_z(one, other):
     """Of values about 0."""
     return np.mean(one * other) / (one.std() * other.std()) * np.sqrt(one.size)
+
+
+def moments_z(values, mean, variance):
+    """The largest score of the means and variances of draws, one per row."""
+    away = (values - values.mean(axis=0)) ** 2
+    root = len(values) ** 0.5
+    z = (values.mean(axis=0) - mean) / values.std(axis=0) * root
+    return np.abs([z, (away.mean(axis=0) - variance) / away.std(axis=0) * root]).max()
+
+
+def covariance_z(values, mean, covariance):
+    """As `moments_z`, of the means and all covariances."""
+    away = values - mean
+    products = away[:, :, None] * away[:, None, :]
+    of_mean, of_covariance = (
+        (drawn.mean(axis=0) - expected) / drawn.std(axis=0) * len(values) ** 0.5
+        for drawn, expected in ((away, 0.0), (products, covariance))
+    )
+    return max(np.abs(of_mean).max(), np.abs(of_covariance).max())

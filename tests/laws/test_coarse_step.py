@@ -43,6 +43,7 @@ from chromanoise.study import (
 )
 from chromanoise.study.reading_quality import BRIGHT, DARK, TOLERANCE, contrast_detection_of
 from dear import dear
+from goodness import moments_z
 from noise_samples import noise_of
 from outcomes import refused_input
 
@@ -69,13 +70,6 @@ def drawn_e(analysis, count=400_000, seed=5):
     return step * np.floor((read + black) / step + 0.5) - black
 
 
-def z_of(values, mean, variance):
-    away = (values - values.mean(axis=0)) ** 2
-    root = len(values) ** 0.5
-    z = (values.mean(axis=0) - mean) / values.std(axis=0) * root
-    return np.abs([z, (away.mean(axis=0) - variance) / away.std(axis=0) * root]).max()
-
-
 CASES = [
     (0.1, EIGHT_BITS),
     (0.5, EIGHT_BITS),
@@ -89,8 +83,8 @@ CASES = [
 def test_raw_and_color_have_the_mean_and_noise_of_plain_draws(level_lux, pixel):
     analysis = seen(level_lux, **pixel)
     read, matrix = drawn_e(analysis), analysis.matrix.matrix
-    assert z_of(read, analysis.raw.mean, analysis.raw.variance) < 5
-    assert z_of(read @ matrix.T, analysis.color.mean, analysis.color.variance) < 5
+    assert moments_z(read, analysis.raw.mean, analysis.raw.variance) < 5
+    assert moments_z(read @ matrix.T, analysis.color.mean, analysis.color.variance) < 5
     snr = 20 * np.log10(read.mean(axis=0) / read.std(axis=0))
     assert list(raw_snr_db(analysis).values()) == pytest.approx(snr, abs=0.2)
 
@@ -211,7 +205,7 @@ def test_summed_readings_are_each_rounded():
     read = rng.poisson(mean / 4, (300_000, 4)) + 3.0 * rng.standard_normal((300_000, 4))
     values = (step * np.floor(read / step + 0.5)).sum(axis=1)
     found = with_noise(np.array([mean]), four, EXPOSURE)
-    assert z_of(values[:, None], found.mean, found.variance) < 5
+    assert moments_z(values[:, None], found.mean, found.variance) < 5
 
 
 @pytest.mark.parametrize("lowest", [-np.inf, 0.0])
@@ -223,13 +217,13 @@ def test_each_of_summed_readings_is_rounded_and_clipped_in_exact_moments_and_dra
     four = noise_of(read_noise_e=2 * read, dark_e=n * dark, step_e=2 * step, readings=n)
     mean = np.array([n * light])
     found = sensor_moments(mean, four, Readout(black_e=lowest))
-    assert z_of(values[:, None], found.mean, found.variance) < 5
+    assert moments_z(values[:, None], found.mean, found.variance) < 5
     assert not few_electrons(mean, four).any()  # a table of one reading is not that of the sum
     with refused_input(subject="noise"):
         reading_distribution(mean, four)
     if lowest < 0:
         drawn = sample_electrons(np.full((400_000, 1), n * light), PAPER_PIXEL, rng, noise=four)
-        assert z_of(drawn, found.mean, found.variance) < 5
+        assert moments_z(drawn, found.mean, found.variance) < 5
 
 
 def test_contrast_is_detected_as_often_as_in_rounded_draws():
@@ -286,7 +280,7 @@ def test_places_with_different_neighbors_are_each_rounded_and_clipped(light, ste
     values = step * np.floor(values / step + 0.5) if step else values
     noise = noise_of(**sources, pattern=pattern)
     found = sensor_moments(mean, noise, Readout(full_well_e=full))
-    assert z_of(np.minimum(values, full)[:, None], found.mean[3], found.variance[3]) < 5
+    assert moments_z(np.minimum(values, full)[:, None], found.mean[3], found.variance[3]) < 5
     if full == np.inf:
         bias, variance = noise.rounded(mean)
-        assert z_of(values[:, None], mean[3] + bias[3], variance[3]) < 5
+        assert moments_z(values[:, None], mean[3] + bias[3], variance[3]) < 5

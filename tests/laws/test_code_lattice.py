@@ -25,6 +25,7 @@ from chromanoise.noise import (
 from chromanoise.noise.distribution import counted_readout
 from chromanoise.sensor import Adc, Converter, Mosaic
 from chromanoise.spectra import Grid, equal_energy
+from goodness import moments_z
 from noise_samples import noise_of
 from strategies import flat_cube, pixel_with, white_channel
 
@@ -85,15 +86,6 @@ def summed(mean, noise, step, low=-np.inf, high=np.inf):
     return center, share @ (value - center) ** 2
 
 
-def z_of(values, mean, variance):
-    away = (values - values.mean()) ** 2
-    root = np.sqrt(values.size)
-    return (
-        (values.mean() - mean) / (values.std() / root),
-        (away.mean() - variance) / (away.std() / root),
-    )
-
-
 @pytest.mark.parametrize("black_error_e", [0.0, 1.3])
 @pytest.mark.parametrize("dark_e", [0.0, 0.7, 2.0, 3.1])
 def test_raw_codes_scatter_as_the_closed_form_and_as_plain_draws(dark_e, black_error_e):
@@ -104,8 +96,7 @@ def test_raw_codes_scatter_as_the_closed_form_and_as_plain_draws(dark_e, black_e
     found = sensor_moments(np.array([mean]), noise, Readout())
     drawn = numpy_values_e(mean, noise, np.random.default_rng(3), codes.size)
     for values in (codes, drawn):
-        z = z_of(values, found.mean[0], found.variance[0])
-        assert np.abs(z).max() < 5
+        assert moments_z(values, found.mean[0], found.variance[0]) < 5
 
 
 @pytest.mark.parametrize("dark_e", [0.0, 3.1])
@@ -121,7 +112,7 @@ def test_clipped_values_are_those_of_clipped_codes_at_black_and_at_full_well(dar
     found = clipped_measurement(
         np.array([mean]), sensor, clipping_readout(sensor, exposure), exposure
     )
-    assert np.abs(z_of(codes, found.mean[0], found.variance[0])).max() < 5
+    assert moments_z(codes, found.mean[0], found.variance[0]) < 5
 
 
 @given(

@@ -7,23 +7,18 @@ from chromanoise.base.errors import InputError
 from chromanoise.color import kernel_matrix
 from chromanoise.metrics import chart_color_error
 from chromanoise.noise import Exposure
-from chromanoise.sensor import PAPER_PIXEL, Sensor
 from chromanoise.spectra import DEFAULT_GRID, Grid, cie_1931, cie_a, equal_energy
 from chromanoise.study import sensor_named
+from strategies import sensor_of, white_channel
 
 EXPOSURE = Exposure(time_s=0.01)
-
-
-def sensor_of(qe, grid=DEFAULT_GRID):
-    names = tuple(f"c{i}" for i in range(qe.shape[1]))
-    return Sensor(name="toy", grid=grid, qe=qe, names=names, pixel=PAPER_PIXEL)
 
 
 def observer_as_sensor(mix):
     """Channels that are a mix of the color axes in photons: CMF h c / lambda."""
     axes = cie_1931(DEFAULT_GRID).values / DEFAULT_GRID.wavelength_nm[:, None]
     mixed = axes @ mix
-    return sensor_of(0.9 * mixed / mixed.max())
+    return sensor_of(0.9 * mixed / mixed.max(), grid=DEFAULT_GRID)
 
 
 @pytest.mark.parametrize("mix", [np.eye(3), np.array([[2.0, 1, 0], [1, 3, 0], [0, 1, 1]])])
@@ -58,14 +53,14 @@ def test_near_infrared_without_ir_cut_turns_into_false_color():
 
 def test_a_sensor_that_sees_only_infrared_has_no_color_to_be_wrong():
     infrared = np.where(DEFAULT_GRID.wavelength_nm > 850, 0.5, 0.0)[:, None]
-    sensor = sensor_of(infrared)
+    sensor = sensor_of(infrared, grid=DEFAULT_GRID)
     matrix = kernel_matrix(sensor, EXPOSURE, "quanta")
     assert chart_color_error(sensor, matrix, EXPOSURE, equal_energy(DEFAULT_GRID)) is None
 
 
 def test_a_grid_beyond_the_measured_chart_is_refused():
     grid = Grid.uniform(380, 780, 5)
-    sensor = sensor_of(np.full((grid.n, 1), 0.5), grid)
+    sensor = white_channel(grid=grid)
     matrix = kernel_matrix(sensor, EXPOSURE, "quanta")
     with pytest.raises(InputError, match="400-1050 nm"):
         chart_color_error(sensor, matrix, EXPOSURE, equal_energy(grid))

@@ -45,6 +45,7 @@ from chromanoise.study import (
     sensor_named,
     study_from_data,
 )
+from goodness import covariance_z
 from outcomes import refused_input
 from strategies import bell_qe, pixel_with, sensor_of
 
@@ -268,21 +269,12 @@ def test_crosstalk_after_counting_correlates_readings_and_adds_readout_after():
     read = inside @ CROSSED.T
     read += 6.0 * rng.standard_normal((draws, 3)) + 2.0 * rng.standard_normal((draws, 3))
     read = 4.0 * np.round(read / 4.0)
-    assert_draws_follow(read, raw)
-    assert_draws_follow(read @ kernel_matrix(sensor, EXPOSURE).matrix.T, color)
-    assert raw.covariance[0, 1] / np.sqrt(raw.variance[0] * raw.variance[1]) > 0.1
-
-
-def assert_draws_follow(drawn, result):
-    away = drawn - drawn.mean(axis=0)
-    products = away[:, :, None] * away[:, None, :]
-    draws = len(drawn)
-    mean_z = (drawn.mean(axis=0) - result.mean) / (drawn.std(axis=0) / np.sqrt(draws))
-    covariance_z = (products.mean(axis=0) - result.covariance) / (
-        products.std(axis=0) / np.sqrt(draws)
+    assert covariance_z(read, raw.mean, raw.covariance) < 3.5
+    assert (
+        covariance_z(read @ kernel_matrix(sensor, EXPOSURE).matrix.T, color.mean, color.covariance)
+        < 3.5
     )
-    assert np.abs(mean_z).max() < 3.5
-    assert np.abs(covariance_z).max() < 3.5
+    assert raw.covariance[0, 1] / np.sqrt(raw.variance[0] * raw.variance[1]) > 0.1
 
 
 def test_crosstalk_after_counting_smooths_the_noise_that_the_matrix_then_amplifies():

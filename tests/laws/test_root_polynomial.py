@@ -26,6 +26,7 @@ from chromanoise.color.root_polynomials import (
 from chromanoise.color.training import Training, chart_training, training_response
 from chromanoise.noise import with_noise
 from chromanoise.spectra import equal_energy
+from goodness import covariance_z
 from outcomes import refused_input
 from strategies import EXPOSURE, GRID, bell_qe, pixel_with, raw_of, sensor_of, sensors
 
@@ -229,13 +230,7 @@ def test_exact_color_and_covariance_are_those_of_draws_in_the_dark(mean, model):
     held = np.maximum(raw, 0.0)
     terms = np.concatenate([raw, rooted(held)[:, 3:]], axis=1)
     found = root_polynomial_color_exact(np.array(mean), model, read_noise_e=s)
-    away = terms @ model.matrix.T - found.mean
-    z = away.mean(axis=0) / (away.std(axis=0, ddof=1) / np.sqrt(draws))
-    products = away[:, :, None] * away[:, None, :]
-    error = products.std(axis=0) / np.sqrt(draws)
-    z_covariance = (products.mean(axis=0) - found.covariance) / error
-    assert np.abs(z).max() < 5
-    assert np.abs(z_covariance).max() < 5
+    assert covariance_z(terms @ model.matrix.T, found.mean, found.covariance) < 5
 
 
 def test_exact_color_of_a_picture_is_that_of_its_pixels():
