@@ -70,6 +70,7 @@ def test_empty_cells_are_said_with_their_curve_and_range(file):
         ("nm,R,G\n400,.1,.2\n500,.2\n600,.3,.4,.5\n", "line 4", 4),
         ("nm,R\n400,.1\n-400,.2\n500,.1\n", "line 3", -400.0),
         ("X,Y\n400,.1\n500,.2\n0,.2\n", "line 4", 0.0),
+        (f"nm,R\n400,.1\n500,{10**35}\n", "line 3, column 'R'", str(10**35)),
     ],
 )
 def test_a_row_that_does_not_fit_is_named_by_its_line(file, text, where, value):

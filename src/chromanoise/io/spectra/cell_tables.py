@@ -463,7 +463,7 @@ def name_and_unit(text: str) -> tuple[str, str]:
 
 
 _IN_NM = re.compile(r"(?:spectral data )?(\d+(?:\.\d+)?)\s*[\[(]?nm[\])]?", re.IGNORECASE)
-_PLAIN = re.compile(r"\d+(?:\.\d+)?", re.ASCII)
+_UNSIGNED = re.compile(r"\d+(?:\.\d+)?", re.ASCII)
 _FEWEST_WAVELENGTHS = 5
 _LEAST_NM = 100.0
 
@@ -537,7 +537,7 @@ def _finest(rows: list[Row], at: Sequence[float | None]) -> tuple[list[Row], tup
 def _wavelength(cell: str) -> str:
     """The number of a wavelength in a heading; empty if there is none."""
     match = _IN_NM.fullmatch(cell)
-    return match[1] if match else cell if _PLAIN.fullmatch(cell) else ""
+    return match[1] if match else cell if _UNSIGNED.fullmatch(cell) else ""
 
 
 def _rises(heads: Sequence[str]) -> bool:
@@ -554,14 +554,14 @@ def _are_spectra(corner: tuple[str, ...], heads: Sequence[str], below: Sequence[
         return False
     if any(words):
         return True
-    numbers = [float(cell) for cell in columns[0] if _PLAIN.fullmatch(cell)]
+    numbers = [float(cell) for cell in columns[0] if _UNSIGNED.fullmatch(cell)]
     whole = len(numbers) == len(below) and all(number == int(number) for number in numbers)
     return whole and min(numbers) < _LEAST_NM <= float(heads[0])
 
 
 def _mostly_words(column: Sequence[str]) -> bool:
     """Whether more cells hold words than numbers; a single bad number does not count as a name."""
-    return sum(1 for cell in column if not _PLAIN.fullmatch(cell)) > len(column) / 2
+    return sum(1 for cell in column if not _UNSIGNED.fullmatch(cell)) > len(column) / 2
 
 
 def _turned(
