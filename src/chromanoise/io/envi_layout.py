@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, Shaped, dataclass
-from chromanoise.io.source_files import has, refused
+from chromanoise.io.source_files import has, real_of, refused
 from chromanoise.io.spectra.cell_tables import number_in
 from chromanoise.io.spectra.declared import NAMED_WAVELENGTH, NM_PER, known_unit, nanometers
 from chromanoise.io.spectra.parsed import LARGEST, Found, known_columns, missing_notes
@@ -320,10 +320,7 @@ def _named_wavelengths(header: EnviHeader) -> Float[Array, " m"] | None:
 
 
 def _number(header: EnviHeader, where: str, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = real_of(text)
     if not math.isfinite(value):
         raise refused(header.source, "must be a finite number", text, where=where)
     return value

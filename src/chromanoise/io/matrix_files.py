@@ -15,8 +15,7 @@ import csv
 import io
 import re
 import struct
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from html import escape
 from pathlib import Path
 from typing import Any, Literal
@@ -26,7 +25,6 @@ import numpy as np
 from chromanoise.base import (
     Array,
     Float,
-    InputError,
     Setting,
     __version__,
     check,
@@ -41,7 +39,7 @@ from chromanoise.base import (
     text_of_comment,
 )
 from chromanoise.color import ColorMatrix
-from chromanoise.io.source_files import refused, small_text, xml_root
+from chromanoise.io.source_files import errors_within, refused, small_text, xml_root
 from chromanoise.sensor import Crosstalk, Mosaic, crosstalk_of_kernel
 
 Kind = Literal["electrons", "balanced", "from-xyz"]
@@ -630,7 +628,7 @@ def read_crosstalk(path: Path, names: tuple[str, ...], mosaic: Mosaic | None) ->
         need = "must name the channels in its first line, or be a kernel for a mosaic"
         found = "has numbers only, and the sensor has no mosaic"
         raise refused(path, need, table.values.shape, found, remedy=Setting("mosaic"))
-    with _errors_of(path):
+    with errors_within(path):
         return crosstalk_of_kernel(table.values, mosaic, names)
 
 
@@ -707,16 +705,8 @@ def _matrix(
     if mosaic is not None and sorted(mosaic.names) == sorted(names):
         flat = [channel for row in mosaic.pattern for channel in row]
         pixels = tuple(flat.count(name) for name in names)
-    with _errors_of(path):
+    with errors_within(path):
         return Crosstalk(matrix=table.values[np.ix_(order_rows, order_columns)], pixels=pixels)
-
-
-@contextmanager
-def _errors_of(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except InputError as error:
-        raise error.within(str(path)) from None
 
 
 def _numbers(path: Path, rows: list[list[str]], *, first: int) -> Float[Array, "r c"]:

@@ -10,7 +10,7 @@ from typing import Any, cast, get_args
 
 import numpy as np
 
-from chromanoise.base import InputError, Remedy, Setting, __version__, check, json_text
+from chromanoise.base import Remedy, Setting, __version__, check, json_text
 from chromanoise.io.curve_files import read_curves
 from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.parsed import (
@@ -21,9 +21,8 @@ from chromanoise.io.spectra.parsed import (
     Found,
     array_of,
     held_json,
-    named,
     number_of,
-    unfit,
+    own_json,
     word_of,
     words_of,
 )
@@ -125,7 +124,7 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
         If the text is not JSON, has another schema or version, or the sensor is invalid.
     """
     held = held_json(text, _SENSOR_SCHEMA, source=source)
-    try:
+    with own_json(source, "sensor"):
         grid, pixel, mosaic = held["grid_nm"], held["pixel"], held["mosaic"]
         required = {name: number_of(pixel[name]) for name in PIXEL_REQUIRED}
         own = Grid(*(number_of(grid[key]) for key in ("start", "stop", "step")))
@@ -151,10 +150,6 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
             origin=_origin(held["origin"]),
             notes=words_of(held["notes"]),
         )
-    except InputError as error:
-        raise named(error, source) from None
-    except (KeyError, TypeError, OverflowError) as error:
-        raise unfit(source, "sensor", error) from None
 
 
 def _origin(value: Any) -> Origin:

@@ -1,7 +1,9 @@
 """What all readers share: errors about a file, small texts, numbers, XML without entities."""
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -34,6 +36,15 @@ def has(
     return refused(source, requirement, value, f"{verb} {text}", **more)
 
 
+@contextmanager
+def errors_within(source: Path | str, place: str | None = None) -> Iterator[None]:
+    """Errors that are raised inside are about a part of a file, with `InputError.within`."""
+    try:
+        yield
+    except InputError as error:
+        raise error.within(str(source), place) from None
+
+
 def by(shape: tuple[int, ...]) -> str:
     """A shape as text: 156x9025."""
     return "x".join(str(n) for n in shape) or "scalar"
@@ -51,6 +62,14 @@ def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
 def kind_of(dtype: np.dtype) -> str:
     """The name of a type of numbers, for messages."""
     return "object" if dtype.hasobject else dtype.name
+
+
+def real_of(text: str) -> float:
+    """The number that a text is; NaN if it is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 def small_text(path: Path, most_bytes: int, need: str, remedy: str = "") -> str:

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, Shaped, check
+from chromanoise.base import Array, Float, Setting, Shaped, check
 from chromanoise.io.cubes.raw_cube import Found, Notes
-from chromanoise.io.source_files import refused, small_text
+from chromanoise.io.source_files import errors_within, real_of, refused, small_text
 from chromanoise.io.spectra.declared import (
     NM_PER,
     declared_keys,
@@ -213,7 +213,7 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
         need = f"must list one wavelength for each of the {bands} bands of the cube"
         raise refused(path, need, tuple(dict.fromkeys(counts)), f"lists {texts}")
     cells = [cell for row in (columns if counts[0] == bands else rows) for cell in row]
-    values = [_number(cell) for cell in cells]
+    values = [real_of(cell) for cell in cells]
     if not all(math.isfinite(value) for value in values):
         wrong = next(i for i, value in enumerate(values) if not math.isfinite(value))
         raise refused(path, "must be a number", cells[wrong][:40], where=f"entry {wrong + 1}")
@@ -226,7 +226,7 @@ def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
     rows: list[list[str]] = []
     for line in text.splitlines():
         cells = [cell for cell in _BETWEEN.split(line.strip()) if cell]
-        if line.lstrip().startswith("#") or (not rows and cells and math.isnan(_number(cells[0]))):
+        if line.lstrip().startswith("#") or (not rows and cells and math.isnan(real_of(cells[0]))):
             heading.append(line)
         elif cells:
             rows.append(cells)
@@ -249,21 +249,9 @@ def _unit(path: Path, heading: str) -> float:
 
 
 def _unit_of(path: Path, text: str) -> Unit | None:
-    try:
+    with errors_within(path):
         unit = wavelength_unit_of(text)
-    except InputError as error:
-        where = ", ".join(part for part in (error.subject, error.where) if part)
-        raise refused(
-            path, error.requirement, error.value, error.found, where=where, remedy=error.remedy
-        ) from None
     if unit == "1/cm":
         need = "must list wavelengths"
         raise refused(path, need, unit, "lists wavenumbers", remedy="write wavelengths in nm")
     return unit
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return math.nan

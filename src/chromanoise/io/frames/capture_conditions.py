@@ -22,7 +22,7 @@ from chromanoise.io.frames.frame import (
 )
 from chromanoise.io.frames.frame_formats import frames_in
 from chromanoise.io.pixels.pixel_toml import errors_in_file
-from chromanoise.io.source_files import refused, small_text
+from chromanoise.io.source_files import errors_within, refused, small_text
 from chromanoise.sensor import Mosaic, mosaic_named
 
 CAPTURE = "capture.toml"
@@ -356,10 +356,8 @@ def _mosaic(
         return mosaic_of_all(str(path), frames), ()
     if word == "none":
         return None, ()
-    try:
+    with errors_within(path, "mosaic"):
         mosaic = mosaic_named(word)
-    except InputError as error:
-        raise error.within(str(path), "mosaic") from None
     other = next((one for one in frames if one.mosaic not in (None, mosaic)), None)
     if other is None:
         return mosaic, ()

@@ -1,6 +1,5 @@
 """The descriptor of EMVA 1288: a text file that lists the frames of a measurement."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path, PureWindowsPath
@@ -15,7 +14,7 @@ from chromanoise.io.frames.frame import (
     refuse_mixed,
 )
 from chromanoise.io.frames.frame_formats import frames_in
-from chromanoise.io.source_files import by, has, refused, small_text
+from chromanoise.io.source_files import by, has, real_of, refused, small_text
 
 _HEAD_BYTES = 65536
 _LARGEST_BYTES = 16 * 2**20
@@ -172,10 +171,7 @@ def _refused(path: Path, number: int, line: str) -> InputError:
 
 
 def _number(path: Path, line: int, word: str) -> float:
-    try:
-        value = float(word.replace(",", "."))
-    except ValueError:
-        value = math.nan
+    value = real_of(word.replace(",", "."))
     if not 0 <= value <= _LARGEST:
         raise refused(
             path, f"must be a number from 0 to {_LARGEST:g}", printable(word), where=f"line {line}"

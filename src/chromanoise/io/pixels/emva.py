@@ -6,15 +6,14 @@ of its chapter 10. The checks are relations that the values must satisfy.
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from decimal import Decimal, InvalidOperation
 from math import sqrt
 from pathlib import Path
 
-from chromanoise.base import InputError, check, dataclass, json_of
+from chromanoise.base import check, dataclass, json_of
 from chromanoise.io.pixels.pixel_toml import errors_in_file, finite_number, source_text
-from chromanoise.io.source_files import refused, xml_root
+from chromanoise.io.source_files import errors_within, refused, xml_root
 from chromanoise.sensor import PIXEL_FILES, ROUNDING_DN2, Adc, PixelSource
 
 _TOLERANCE = 0.05  # values of a sheet are rounded, and are measured separately
@@ -243,7 +242,7 @@ def pixel_from_emva(
             unused.append(name)
             continue
         place = ", ".join(part for part in (places.get(name, ""), name[:40]) if part)
-        with _errors_at(source, place):
+        with errors_within(source, place):
             value = _valued(key, name, number, unit, place)
         first = found.setdefault(key, value)
         if first.unit != value.unit or not alike(first.number, value.number):
@@ -260,15 +259,6 @@ def pixel_from_emva(
         held = f"names {', '.join(names) or 'nothing'}"
         raise refused(source, need, names, held, remedy=f"give {PIXEL_FILES}")
     return _pixel_source(found, unused, source)
-
-
-@contextmanager
-def _errors_at(source: str, place: str = "") -> Iterator[None]:
-    """Errors that are raised inside are about a place in the sheet, or about a value of it."""
-    try:
-        yield
-    except InputError as error:
-        raise error.within(source, place or None) from None
 
 
 def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
@@ -403,7 +393,7 @@ def _pixel_source(found: Mapping[str, _Value], unused: list[str], source: str) -
     whole, level, adc_notes = _codes(found.get("bits"), found.get("black"), source)
     adc = None
     if gain is not None and whole is not None:
-        with _errors_at(source):
+        with errors_within(source):
             adc = Adc(bits=whole, gain_e_per_dn=1 / gain, black_level_dn=level or 0)
     silent = [
         name
@@ -450,7 +440,7 @@ def _gain(found: Mapping[str, _Value], source: str) -> float | None:
     """K. [DN/e-]"""
     for key in ("gain", "gain_inverse"):
         if key in found:
-            with _errors_at(source, found[key].where):
+            with errors_within(source, found[key].where):
                 number = check.positive(key, found[key].unit, found[key].number)
             return number if key == "gain" else 1 / number
     return None

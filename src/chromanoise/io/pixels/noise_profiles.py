@@ -8,6 +8,7 @@ unknown factor. The ratio b / a does not depend on that factor. Together with a 
 another source it gives the read noise. The profile cannot give the full well.
 """
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,7 +18,7 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, check, dataclass, json_of
 from chromanoise.io.pixels.pixel_toml import errors_in_file, finite_number, source_text
-from chromanoise.io.source_files import refused
+from chromanoise.io.source_files import real_of, refused
 from chromanoise.sensor import Adc, PixelSource, pixel_from_noise_profile, pixel_without_levels
 
 _TAG, _BLACK, _WHITE = (
@@ -112,19 +113,11 @@ def _tagged(tag: re.Pattern[str], text: str, path: Path) -> list[float] | None:
     if match is None:
         return None
     words = re.split(r"[\s,;]+", match[1].strip())
-    numbers = [_real(word) for word in words]
-    found = [number for number in numbers if number is not None]
-    if len(found) < len(words):
+    numbers = [real_of(word) for word in words]
+    if not all(map(math.isfinite, numbers)):
         line = text[: match.start(1)].count("\n") + 1
         raise refused(path, "must be finite numbers", match[1].strip()[:60], where=f"line {line}")
-    return found
-
-
-def _real(word: str) -> float | None:
-    try:
-        return finite_number(float(word))
-    except ValueError:
-        return None
+    return numbers
 
 
 def _numbers(value: object, key: str, path: Path) -> list[float]:

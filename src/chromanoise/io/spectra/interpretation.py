@@ -8,7 +8,7 @@ from typing import Literal, cast, get_args
 import numpy as np
 
 from chromanoise.base import Array, InputError, Setting
-from chromanoise.io.source_files import refused
+from chromanoise.io.source_files import errors_within, refused
 from chromanoise.io.spectra.cell_tables import DIGITIZED
 from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
@@ -29,7 +29,6 @@ from chromanoise.io.spectra.parsed import (
     Sorted,
     Unit,
     gaps_nm,
-    named,
     on_common,
     sorted_points,
     step_nm,
@@ -215,14 +214,12 @@ def _is_ordered(at: Array) -> bool:
 def _declared_unit(found: Found) -> Unit | None:
     """The unit that format, heading or key declares; contradicting ones raise an error."""
     key = found.keys.get("wavelength_unit")
-    try:
+    with errors_within(found.source):
         units = {
             "its format": found.wavelength_unit,
             "its heading": wavelength_unit_of(found.heading),
             "its key": wavelength_unit_of(f"[{key}]") if key else None,
         }
-    except InputError as error:
-        raise named(error, found.source) from None
     said = {where: unit for where, unit in units.items() if unit}
     if len(set(said.values())) > 1:
         units_text = ", ".join(f"{unit} by {where}" for where, unit in said.items())

@@ -12,8 +12,8 @@ from dataclasses import field
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, dataclass
-from chromanoise.io.source_files import refused
+from chromanoise.base import Array, dataclass
+from chromanoise.io.source_files import errors_within, refused
 from chromanoise.io.spectra.cell_tables import finite_number
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import Column, Found, Unit
@@ -140,11 +140,8 @@ def _of_tuple(facts: dict[str, str], form: str, source: str) -> dict[str, str]:
 
 
 def _unit(table: _Table, source: str) -> Unit:
-    unit = table.facts.get("XUNITS", "")
-    try:
-        return known_unit(unit, source)
-    except InputError as error:
-        raise error.within(source, f"XUNITS of block {table.title[:60]!r}") from None
+    with errors_within(source, f"XUNITS of block {table.title[:60]!r}"):
+        return known_unit(table.facts.get("XUNITS", ""), source)
 
 
 def _column(table: _Table, name: str, source: str) -> Column:

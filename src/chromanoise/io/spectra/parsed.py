@@ -4,7 +4,8 @@ Curves with different wavelengths are resampled to a common list of wavelengths.
 versions of the schemas raise an error.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import field
 from typing import Any, Literal, get_args
 
@@ -458,16 +459,12 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
         If the version differs, or a value is missing or invalid.
     """
     _refuse_other_version(held, source)
-    try:
+    with own_json(source, "spectra"):
         wavelength = check.finite("wavelength_nm", "nm", array_of(held["wavelength_nm"], 1))
         values = array_of(held["values"], 2)
         names = words_of(held["names"])
         quantity, unit = word_of(held["quantity"]), word_of(held["unit"])
         said_source, said_notes = word_of(held["source"]), words_of(held["notes"])
-    except (KeyError, TypeError, OverflowError) as error:
-        raise unfit(source, "spectra", error) from None
-    except InputError as error:
-        raise named(error, source) from None
     if values.shape != (wavelength.size, len(names)):
         need = f"must be {wavelength.size} rows (wavelengths) of {len(names)} numbers (names)"
         found = f"is {values.shape[0]} of {values.shape[1]}"
@@ -522,11 +519,18 @@ def declared(facts: Mapping[str, str], notes: tuple[str, ...] = ()) -> dict[str,
     return {key: found[key] for key, kind in kinds.items() if found.get(key) in get_args(kind)}
 
 
-def unfit(source: str, what: str, error: Exception) -> InputError:
-    """The error for JSON of a known schema in which a value is missing or invalid."""
-    fault = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
-    fault = " ".join(fault.split())[:200]
-    return refused(source, f"is not the JSON of a {what} as chromanoise writes it ({fault})")
+@contextmanager
+def own_json(source: str, what: str) -> Iterator[None]:
+    """Exceptions for a value in JSON of one of our schemas become errors about the file."""
+    try:
+        yield
+    except InputError as error:
+        raise named(error, source) from None
+    except (KeyError, TypeError, OverflowError) as error:
+        fault = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
+        fault = " ".join(fault.split())[:200]
+        need = f"is not the JSON of a {what} as chromanoise writes it ({fault})"
+        raise refused(source, need) from None
 
 
 def word_of(value: Any) -> str:
