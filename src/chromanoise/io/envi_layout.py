@@ -12,7 +12,7 @@ import numpy as np
 from chromanoise.base import Array, Float, InputError, Setting, Shaped, dataclass
 from chromanoise.io.source_files import has, real_of, refused
 from chromanoise.io.spectra.cell_tables import number_in
-from chromanoise.io.spectra.declared import NAMED_WAVELENGTH, NM_PER, known_unit, nanometers
+from chromanoise.io.spectra.declared import known_unit, named_wavelengths, nanometers
 from chromanoise.io.spectra.parsed import LARGEST, Found, known_columns, missing_notes
 
 DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
@@ -311,12 +311,9 @@ def _listed_wavelengths(header: EnviHeader) -> list[float]:
 
 
 def _named_wavelengths(header: EnviHeader) -> Float[Array, " m"] | None:
-    """Wavelengths from names such as ``376.44 Nanometers``, if every name has one. [nm]"""
-    names = [name for name in header.fields.get("band names", "").split(",") if name.strip()]
-    found = [NAMED_WAVELENGTH.search(name) for name in names]
-    if not found or None in found:
-        return None
-    return np.array([float(m[1]) * NM_PER[m[2].lower()] for m in found if m is not None])
+    """Wavelengths in the names of the bands, if every name has one. [nm]"""
+    names = header.fields.get("band names", "").split(",")
+    return named_wavelengths([name for name in names if name.strip()])
 
 
 def _number(header: EnviHeader, where: str, text: str) -> float:

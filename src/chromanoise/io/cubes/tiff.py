@@ -24,7 +24,7 @@ from chromanoise.io.cubes.raw_cube import (
     refuse_other_size,
 )
 from chromanoise.io.source_files import by, has, refuse_not_numbers, refused, xml_root
-from chromanoise.io.spectra.declared import NAMED_WAVELENGTH, NM_PER, SPECTRAL_NAMES, nanometers
+from chromanoise.io.spectra.declared import SPECTRAL_NAMES, named_wavelengths, nanometers
 from chromanoise.spectra import FileRows, PlaneRows, RowSource
 
 _LIMIT_S = 60.0
@@ -305,10 +305,9 @@ def _wavelengths(path: Path, texts: list[str], bands: int) -> Wavelengths | None
 
 def _described(texts: list[str], what: str) -> Wavelengths | None:
     """One wavelength from each text; None if a text has none."""
-    named = [NAMED_WAVELENGTH.search(text[:10_000]) for text in texts]
-    if None in named:
+    found = named_wavelengths([text[:10_000] for text in texts])
+    if found is None:
         return None
-    found = np.array([float(m[1]) * NM_PER[m[2].lower()] for m in named if m is not None])
     return lambda: (found, (f"wavelengths taken from the descriptions of the {what}",))
 
 

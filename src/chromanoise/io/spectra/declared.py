@@ -270,7 +270,7 @@ NM_PER = {
 """Nanometers per unit, by the unit's names in lower case."""
 
 _UNITS = "|".join(sorted(NM_PER, key=len, reverse=True))
-NAMED_WAVELENGTH = re.compile(
+_NAMED_WAVELENGTH = re.compile(
     rf"(?<![\w.])(\d{{1,6}}\.?\d{{0,9}}|\.\d{{1,9}})\s{{0,4}}({_UNITS})\b", re.I
 )
 
@@ -320,6 +320,20 @@ def fitting(lists: Sequence[Listed], lengths: Collection[int]) -> tuple[Listed, 
     """The lists with one of these lengths; else the first, which the caller rejects."""
     fit = tuple(one for one in lists if one.size in lengths)
     return fit or tuple(lists[:1])
+
+
+def named_wavelengths(texts: Sequence[str]) -> Float[Array, " m"] | None:
+    """The wavelength in each text, such as ``376.44 Nanometers``; None if a text has none. [nm]
+
+    Examples
+    --------
+    >>> named_wavelengths(["Band 1: 0.45 um", "Band 2 (500 nm)"]), named_wavelengths(["red"])
+    (array([450., 500.]), None)
+    """
+    found = [_NAMED_WAVELENGTH.search(text) for text in texts]
+    if not found or None in found:
+        return None
+    return np.array([float(m[1]) * NM_PER[m[2].lower()] for m in found if m is not None])
 
 
 def listed_wavelengths(
