@@ -75,7 +75,7 @@ class Chunks:
     @property
     def grid(self) -> tuple[int, ...]:
         """The number of chunks along each axis."""
-        return tuple(-(-n // long) for n, long in zip(self.shape, self.chunk, strict=True))
+        return _grid(self.shape, self.chunk)
 
     def __getitem__(self, key: Any) -> Shaped[Array, "..."]:
         """Part of the array, from all chunks that overlap it.
@@ -102,6 +102,10 @@ class Chunks:
                 numbers = _chunk(self, file, int(np.ravel_multi_index(at, self.grid)))
                 result[tuple(to for _, to in overlaps)] = numbers[tuple(of for of, _ in overlaps)]
         return result[tuple(slice(None, None, one.step) for one in wanted)]
+
+
+def _grid(shape: tuple[int, ...], chunk: tuple[int, ...]) -> tuple[int, ...]:
+    return tuple(-(-n // long) for n, long in zip(shape, chunk, strict=True))
 
 
 def _overlap(first: int, long: int, span: range) -> tuple[slice, slice]:
@@ -390,8 +394,7 @@ def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
         stored: Any = dataset.id.get_storage_size()
         absent = "its numbers were" if stored < needed else ""
     else:
-        per_axis = zip(dataset.shape, dataset.chunks, strict=True)
-        parts = math.prod(-(-n // long) for n, long in per_axis)
+        parts = math.prod(_grid(dataset.shape, dataset.chunks))
         stored = dataset.id.get_num_chunks()
         missing = parts - stored
         absent = f"{missing} of its {parts} chunks were" if missing > 0 else ""
@@ -405,7 +408,7 @@ def _refuse_long_chunks(dataset: Any) -> None:
     """Refuse compressed chunks longer than uncompressed ones: libhdf5 inflates all of a chunk."""
     if dataset.chunks is None:
         return
-    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    whole = _chunk_bytes(dataset)
     longest = max((chunk.size for chunk in _chunks(dataset)), default=0)
     if longest > whole + whole // 8 + _PACKING_BYTES:
         raise ValueError(
@@ -417,6 +420,11 @@ def _chunks(dataset: Any) -> list[Any]:
     chunks: list[Any] = []
     dataset.id.chunk_iter(chunks.append)
     return chunks
+
+
+def _chunk_bytes(dataset: Any) -> int:
+    """Size of an uncompressed chunk. [bytes]"""
+    return int(math.prod(dataset.chunks) * dataset.dtype.itemsize)
 
 
 def _lies_as_numpy_has_it(dataset: Any) -> bool:
@@ -442,14 +450,13 @@ def _filters(dataset: Any) -> tuple[int, ...] | None:
 
 def _index(dataset: Any, filters: tuple[int, ...], before: int) -> Int64[Array, "chunks 3"] | None:
     """Per chunk first byte, length, and filters left out; None if the file cannot tell."""
-    grid = [-(-n // long) for n, long in zip(dataset.shape, dataset.chunks, strict=True)]
+    grid = _grid(dataset.shape, dataset.chunks)
     index = np.full((math.prod(grid), 3), -1, dtype=np.int64)
     for chunk in _chunks(dataset):
         at = [n // long for n, long in zip(chunk.chunk_offset, dataset.chunks, strict=True)]
         number = np.ravel_multi_index(at, grid)
         index[number] = chunk.byte_offset, chunk.size, chunk.filter_mask
-    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
-    if DEFLATE in filters and (index[:, 1] == whole).any():
+    if DEFLATE in filters and (index[:, 1] == _chunk_bytes(dataset)).any():
         return None  # HDF5 may leave chunks at the edge as they are, and does not tell
     _, first = dataset.id.read_direct_chunk((0,) * dataset.ndim)
     for shift in (0, before):  # versions differ in where they count from
