@@ -211,15 +211,12 @@ def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[
         need = 'must be a list of file names, e.g. ["flat_01_a.tif", "flat_01_b.tif"]'
         raise refused(path, need, where=where)
     frames = [frame for word in words for frame in _of_word(path, word, where, opened)]
-    seen: set[tuple[Path, str, int | None]] = set()
-    repeated = None
+    seen = set()
     for frame in frames:
-        key = (frame.path, frame.part, frame.index)
-        repeated = frame if key in seen and repeated is None else repeated
-        seen.add(key)
-    if repeated is not None:
-        need = "must list each frame once"
-        raise refused(path, need, repeated.name, f"{repeated.name} is repeated", where=where)
+        if frame.place in seen:
+            need = "must list each frame once"
+            raise refused(path, need, frame.name, f"{frame.name} is repeated", where=where)
+        seen.add(frame.place)
     return tuple(frames)
 
 
@@ -280,13 +277,12 @@ def _refuse_repeated(path: Path, levels: list[FrameLevel]) -> None:
     seen: dict[tuple[Path, str, int | None], str] = {}
     for level in levels:
         for frame in level.flats:
-            key = (frame.path, frame.part, frame.index)
-            if key in seen:
-                raise _repeated(path, frame, level.name, f"also at {seen[key]!r}")
-            seen[key] = level.name
+            if frame.place in seen:
+                raise _repeated(path, frame, level.name, f"also at {seen[frame.place]!r}")
+            seen[frame.place] = level.name
     for level in levels:
         for frame in level.darks:
-            if (frame.path, frame.part, frame.index) in seen:
+            if frame.place in seen:
                 raise _repeated(path, frame, level.name, "both flat and dark")
 
 

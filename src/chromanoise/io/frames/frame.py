@@ -246,6 +246,11 @@ class RawFrame:
     noise_profile: Mapping[str, tuple[float, float]] | None = None
 
     @property
+    def place(self) -> tuple[Path, str, int | None]:
+        """File, part and number of the frame, which are those of no other frame."""
+        return self.path, self.part, self.index
+
+    @property
     def name(self) -> str:
         """The file's name, with the part and number of the frame: ``flats.tif[2]``."""
         parts = ([self.part] if self.part else []) + ([] if self.index is None else [self.index])
@@ -394,9 +399,7 @@ def refuse_mixed(source: str, frames: Sequence[RawFrame]) -> None:
     """
     for name, quantity, shown in _QUANTITIES:
         known = [frame for frame in frames if quantity(frame) is not None]
-        other = next((one for one in known if quantity(one) != quantity(known[0])), None)
-        if other is not None:
-            raise _mixed(source, name, known[0], other, (quantity, shown))
+        _refuse_unequal(source, known, name, quantity, shown)
 
 
 def mosaic_of_all(source: str, frames: Sequence[RawFrame]) -> Mosaic | None:
@@ -407,12 +410,8 @@ def mosaic_of_all(source: str, frames: Sequence[RawFrame]) -> Mosaic | None:
     InputError
         If two frames differ; a frame without a mosaic differs from one with it.
     """
-    if not frames:
-        return None
-    other = next((frame for frame in frames if frame.mosaic != frames[0].mosaic), None)
-    if other is not None:
-        raise _mixed(source, "mosaic", frames[0], other, (lambda one: one.mosaic, mosaic_text))
-    return frames[0].mosaic
+    _refuse_unequal(source, frames, "mosaic", lambda frame: frame.mosaic, mosaic_text)
+    return frames[0].mosaic if frames else None
 
 
 def mosaic_text(mosaic: Mosaic | None) -> str:
@@ -448,19 +447,20 @@ def refuse_few(
                 raise refused(source, need, 1, found, where=f"level {level.name!r}", remedy=remedy)
 
 
-def _mixed(
+def _refuse_unequal(
     source: str,
+    frames: Sequence[RawFrame],
     name: str,
-    one: RawFrame,
-    other: RawFrame,
-    how: tuple[Callable[[RawFrame], Any], Callable[[Any], str]],
-) -> InputError:
-    quantity, shown = how
-    names = (shown_name(one), shown_name(other))
-    need = f"must have one {name}"
-    found = f"{names[0]} has {shown(quantity(one))} and {names[1]} has {shown(quantity(other))}"
-    remedy = "evaluate them separately"
-    return refused(source, need, (quantity(one), quantity(other)), found, remedy=remedy)
+    quantity: Callable[[RawFrame], Any],
+    shown: Callable[[Any], str],
+) -> None:
+    for other in frames[1:]:
+        values = quantity(frames[0]), quantity(other)
+        if values[0] != values[1]:
+            names = shown_name(frames[0]), shown_name(other)
+            found = " and ".join(f"{n} has {shown(v)}" for n, v in zip(names, values, strict=True))
+            remedy = "evaluate them separately"
+            raise refused(source, f"must have one {name}", values, found, remedy=remedy)
 
 
 def shown_name(frame: RawFrame) -> str:

@@ -325,7 +325,7 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
                 frames += _of_part(path, number, part, first)
     if not frames:
         raise refused(path, "must hold an image", found="holds none")
-    if len({(frame.part, frame.index) for frame in frames}) < len(frames):
+    if len({frame.place for frame in frames}) < len(frames):
         raise refused(path, "must name each extension once")
     return tuple(frames)
 
