@@ -9,9 +9,10 @@ message states what is unclear.
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 from chromanoise.base import InputError, dataclass, regular_file, true_path
 from chromanoise.io.frames.capture_conditions import CAPTURE, read_capture
@@ -71,6 +72,8 @@ class _Named:
 
 _Group = tuple[str, float | None]
 """Label and exposure time [ms] of a level."""
+_Key = TypeVar("_Key")
+_Groups = dict[_Group, list[_Named]]
 
 
 def levels_by_name(
@@ -198,12 +201,17 @@ def _with_equal_times(named: list[_Named]) -> list[_Named]:
 # flats
 
 
-def _groups(named: Iterable[_Named]) -> dict[_Group, list[_Named]]:
+def _groups(named: Iterable[_Named]) -> _Groups:
     """Frames by label and time, shortest time first, then by the numbers in the label."""
-    groups: dict[_Group, list[_Named]] = {}
-    for one in named:
-        groups.setdefault((one.label, one.frame.time_ms), []).append(one)
+    groups = _grouped(named, lambda one: (one.label, one.frame.time_ms))
     return dict(sorted(groups.items(), key=lambda item: (_or_0(item[0][1]), natural(item[0][0]))))
+
+
+def _grouped(named: Iterable[_Named], key: Callable[[_Named], _Key]) -> dict[_Key, list[_Named]]:
+    groups: dict[_Key, list[_Named]] = {}
+    for one in named:
+        groups.setdefault(key(one), []).append(one)
+    return groups
 
 
 def _or_0(time_ms: float | None) -> float:
@@ -222,9 +230,7 @@ def natural(text: str) -> tuple[tuple[int, str], ...]:
     return tuple((int(part), "") if part.isdecimal() else (-1, part) for part in parts)
 
 
-def _refuse_unclear_flats(
-    source: str, flats: list[_Named], groups: dict[_Group, list[_Named]]
-) -> str:
+def _refuse_unclear_flats(source: str, flats: list[_Named], groups: _Groups) -> str:
     """How the flats were grouped; an error if there is a second reading, or a single flat."""
     labels = {label for label, _ in groups}
     times = {time for _, time in groups}
@@ -285,8 +291,8 @@ def _may_count_repeats(labels: list[str]) -> bool:
 
 
 def _matched(
-    source: str, groups: dict[_Group, list[_Named]], darks: list[_Named]
-) -> tuple[dict[_Group, list[_Named]], dict[_Group, list[_Named]], list[str]]:
+    source: str, groups: _Groups, darks: list[_Named]
+) -> tuple[_Groups, _Groups, list[str]]:
     """Darks of each level, darks that belong to none, and notes."""
     if not darks:
         return {}, {}, ["no darks: no name has one of the words dark, bias, black, cap"]
@@ -303,12 +309,8 @@ def _matched(
     return _without_times(source, groups, darks)
 
 
-def _by_time(
-    groups: dict[_Group, list[_Named]], darks: list[_Named]
-) -> tuple[dict[_Group, list[_Named]], dict[_Group, list[_Named]], list[str]]:
-    at: dict[float | None, list[_Named]] = {}
-    for one in darks:
-        at.setdefault(one.frame.time_ms, []).append(one)
+def _by_time(groups: _Groups, darks: list[_Named]) -> tuple[_Groups, _Groups, list[str]]:
+    at = _grouped(darks, lambda one: one.frame.time_ms)
     matched = {key: at[key[1]] for key in groups if key[1] in at}
     matched |= _by_label(matched)
     lit = {key[1] for key in groups}
@@ -325,9 +327,9 @@ def _by_time(
     return matched, alone, notes
 
 
-def _by_label(matched: dict[_Group, list[_Named]]) -> dict[_Group, list[_Named]]:
+def _by_label(matched: _Groups) -> _Groups:
     """Darks of the same time divided among its levels by label, where each label has its own."""
-    divided: dict[_Group, list[_Named]] = {}
+    divided: _Groups = {}
     for time in {key[1] for key in matched}:
         keys = [key for key in matched if key[1] == time]
         darks = matched[keys[0]]
@@ -338,15 +340,11 @@ def _by_label(matched: dict[_Group, list[_Named]]) -> dict[_Group, list[_Named]]
 
 
 def _without_times(
-    source: str, groups: dict[_Group, list[_Named]], darks: list[_Named]
-) -> tuple[dict[_Group, list[_Named]], dict[_Group, list[_Named]], list[str]]:
-    by_label: dict[str, list[_Named]] = {}
-    for one in darks:
-        by_label.setdefault(_bare(one.label), []).append(one)
+    source: str, groups: _Groups, darks: list[_Named]
+) -> tuple[_Groups, _Groups, list[str]]:
+    by_label = _grouped(darks, lambda one: _bare(one.label))
     if not groups:
-        alone: dict[_Group, list[_Named]] = {
-            (label, None): own for label, own in sorted(by_label.items())
-        }
+        alone: _Groups = {(label, None): own for label, own in sorted(by_label.items())}
         return {}, alone, [f"{_counts(alone, 'darks')} by name, without exposure times"]
     if len({time for _, time in groups}) > 1:
         raise _question(
@@ -381,7 +379,7 @@ def _bare(label: str) -> str:
 # words
 
 
-def _titles(groups: dict[_Group, list[_Named]]) -> dict[_Group, str]:
+def _titles(groups: _Groups) -> dict[_Group, str]:
     """The label if it is enough, else the time, else both."""
     if len({label for label, _ in groups}) == len(groups):
         return {key: key[0] or _title(key) for key in groups}
@@ -395,7 +393,7 @@ def _title(key: _Group) -> str:
     return " ".join(part for part in (label, "" if time_ms is None else f"{time_ms:g} ms") if part)
 
 
-def _counts(groups: dict[_Group, list[_Named]], what: str) -> str:
+def _counts(groups: _Groups, what: str) -> str:
     """``12 levels of 2 flats``."""
     counts = sorted({len(group) for group in groups.values()})
     several = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
