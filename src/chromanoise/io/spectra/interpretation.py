@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from dataclasses import replace
-from typing import Literal, cast, get_args
+from typing import cast, get_args
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from chromanoise.io.spectra.parsed import (
     ParsedSpectra,
     Per,
     Quantity,
+    Scaled,
     Sorted,
     Unit,
     gaps_nm,
@@ -250,7 +251,7 @@ def _scale(
     columns: list[Column],
     points: list[Sorted],
     quantity: Quantity | None,
-) -> tuple[Literal["fraction", "percent", "as written"], float, tuple[str, ...]]:
+) -> tuple[Scaled, float, tuple[str, ...]]:
     said = answers.scale or found.scale
     if said:
         return said, (0.01 if said == "percent" else 1.0), ()

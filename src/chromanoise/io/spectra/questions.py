@@ -23,6 +23,7 @@ from chromanoise.io.spectra.parsed import (
     Quantity,
     Question,
     Scale,
+    Scaled,
     Sorted,
     gaps_nm,
 )
@@ -40,7 +41,7 @@ _RELATIVE = "the curves look relative"
 def defects_of(
     curves: Spectra,
     quantity: Quantity | None,
-    scale: Literal["fraction", "percent", "as written"],
+    scale: Scaled,
     points: Sequence[Sorted],
     *,
     level: Level | None,
@@ -119,9 +120,7 @@ def _conflicts(points: Sequence[Sorted]) -> Iterator[str]:
         )
 
 
-def _out_of_range(
-    curves: Spectra, quantity: Quantity | None, scale: Literal["fraction", "percent", "as written"]
-) -> Iterator[str]:
+def _out_of_range(curves: Spectra, quantity: Quantity | None, scale: Scaled) -> Iterator[str]:
     negative = curves.values < 0
     if negative.any():
         yield f"{_count(negative)} below 0, {_first(curves, negative)}"
