@@ -225,8 +225,7 @@ def kind_of_zip(names: list[str]) -> tuple[str, str] | None:
 def _refuse_kind(path: Path, kind: tuple[str, str] | None) -> None:
     if kind is not None:
         name, remedy = kind
-        need = "is not a file of spectra"
-        raise has(path, need, name, "is", remedy=remedy)
+        raise has(path, "is not a file of spectra", name, "is", remedy=remedy)
 
 
 def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:

@@ -219,8 +219,7 @@ def _dtype(header: EnviHeader) -> np.dtype:
         raise header.refused("data type", f"must be one of {', '.join(map(str, _DTYPES))}", code)
     order = header.whole("byte order", default=0)
     if order not in (0, 1):
-        need = "must be 0 (little-endian) or 1 (big-endian)"
-        raise header.refused("byte order", need, order)
+        raise header.refused("byte order", "must be 0 (little-endian) or 1 (big-endian)", order)
     return np.dtype("<>"[order] + _DTYPES[code])
 
 
@@ -234,8 +233,7 @@ def _axes(header: EnviHeader) -> tuple[str, ...]:
 def _refuse_compressed(header: EnviHeader) -> None:
     if header.whole("file compression", default=0) != 0:
         key, need = "file compression", "must be 0, because compressed data is not read"
-        remedy = "save the data uncompressed"
-        raise header.refused(key, need, header.fields[key], remedy=remedy)
+        raise header.refused(key, need, header.fields[key], remedy="save the data uncompressed")
 
 
 def _refuse_wrong_size(header: EnviHeader, data: Path, expected: int) -> None:
@@ -351,8 +349,7 @@ def _library(header_file: Path, data: Path) -> tuple[EnviHeader, Path]:
     kind = header.fields.get("file type", "")
     if kind.lower() != _LIBRARY and not _is_line_of_spectra(header):
         need = "must be ENVI Spectral Library, or have one sample or one line"
-        remedy = "name a file of spectra, not a cube"
-        raise header.refused("file type", need, kind, remedy=remedy)
+        raise header.refused("file type", need, kind, remedy="name a file of spectra, not a cube")
     return header, data
 
 

@@ -387,8 +387,7 @@ def _fact(source: str, facts: Mapping[str, Any], key: str) -> float | None:
         number = 0.0
     if not 1 / _LARGEST_FACT <= number <= _LARGEST_FACT:
         need, where = f"must be a number of 1e-30 to {_LARGEST_FACT:g}", f"{key} of the matrix"
-        remedy = ("correct it", "remove it")
-        raise refused(source, need, said, where=where, remedy=remedy)
+        raise refused(source, need, said, where=where, remedy=("correct it", "remove it"))
     return number
 
 
@@ -409,9 +408,8 @@ def _array(source: str, rows: Any) -> Float[Array, "a b"]:
             source, "must hold a matrix of numbers", found=f"does not ({str(error)[:80]})"
         ) from None
     if values.ndim != 2 or not values.size:
-        need = "must hold a matrix of rows and columns"
         found = f"holds an array of shape {values.shape}"
-        raise refused(source, need, values.shape, found)
+        raise refused(source, "must hold a matrix of rows and columns", values.shape, found)
     return values
 
 
@@ -713,6 +711,5 @@ def _numbers(path: Path, rows: list[list[str]], *, first: int) -> Float[Array, "
     for line, row in enumerate(rows, start=first + 1):
         for cell in row:
             if not are_numbers([cell]):
-                where = f"row {line} of the table"
-                raise refused(path, "must hold numbers", cell, where=where)
+                raise refused(path, "must hold numbers", cell, where=f"row {line} of the table")
     return np.array([[float(cell) for cell in row] for row in rows])

@@ -114,8 +114,7 @@ def table_of(
     body, after = _without_words_after(body, decimal == ",", where)
     if len(body) < 2:
         need = "must have at least 2 rows of a wavelength and a value"
-        held = f"has {len(body)} in {len(rows)} {where}s"
-        raise refused(source, need, len(body), held)
+        raise refused(source, need, len(body), f"has {len(body)} in {len(rows)} {where}s")
     above = list(rows[:first])
     longest = max(len(_bare(row.cells)) for row in body)
     while delimiter == "blanks" and above and _is_sentence(above[-1], longest):

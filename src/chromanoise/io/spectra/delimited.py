@@ -408,8 +408,7 @@ def _rows(path: Path, sheet: Any) -> list[Row]:
     need = f"must have at most {_MOST_ROWS} rows and {_MOST_COLUMNS} columns"
     size, where = (sheet.max_row, sheet.max_column), f"sheet {sheet.title!r}"
     if (size[0] or 0) > _MOST_ROWS or (size[1] or 0) > _MOST_COLUMNS:
-        found = f"has {size[0]} and {size[1]}"
-        raise refused(path, need, size, found, where=where)
+        raise refused(path, need, size, f"has {size[0]} and {size[1]}", where=where)
     rows = []
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
         if number > _MOST_ROWS or len(values) > _MOST_COLUMNS:

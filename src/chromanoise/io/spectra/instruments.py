@@ -240,8 +240,7 @@ def read_isetcam(path: Path) -> Found:
         )
     wavelength = _real(path, at_name, arrays[at_name]).ravel()
     if np.isnan(wavelength).any():
-        remedy = ("correct it", "remove it")
-        raise _of_nan(path, "has NaN", f"array {at_name!r}", remedy)
+        raise _of_nan(path, "has NaN", f"array {at_name!r}", ("correct it", "remove it"))
     data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
     n = wavelength.size
     square = f"data is {n} by {n}: its rows are taken for wavelengths, its columns for curves"
@@ -349,8 +348,7 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
 
 
 def _of_nan(path: Path, found: str, where: str, remedy: tuple[str, ...]) -> InputError:
-    need = "must be finite numbers"
-    return refused(path, need, math.nan, found, where=where, remedy=remedy)
+    return refused(path, "must be finite numbers", math.nan, found, where=where, remedy=remedy)
 
 
 def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:
@@ -361,8 +359,7 @@ def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> 
         raise refused(path, need, (shape, str(dtype)), found, where=where)
     if math.prod(shape) * 8 > _LARGEST_BYTES:
         need = f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra"
-        found = f"has the shape {shape}"
-        raise refused(path, need, shape, found, where=where)
+        raise refused(path, need, shape, f"has the shape {shape}", where=where)
     array = mat_array(path, name).astype(np.float64)
     beyond = np.abs(array) > LARGEST
     if beyond.any():

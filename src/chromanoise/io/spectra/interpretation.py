@@ -133,13 +133,11 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
     repeated = [name for name, count in Counter(names).items() if count > 1]
     if repeated:
         need, first = "must have different names for its curves", repeated[0]
-        said = f"{first!r} is repeated"
-        raise refused(found.source, need, first, said, remedy="rename one")
+        raise refused(found.source, need, first, f"{first!r} is repeated", remedy="rename one")
     for name in answers.columns:
         if name not in names:
             need, held = f"must have the curve {name!r}", f"has {', '.join(names[:20])}"
-            remedy = Setting("columns")
-            raise refused(found.source, need, tuple(names), held, remedy=remedy)
+            raise refused(found.source, need, tuple(names), held, remedy=Setting("columns"))
     if answers.columns:
         curves = [curves[names.index(name)] for name in dict.fromkeys(answers.columns)]
     return curves, spread
@@ -176,8 +174,7 @@ def _wavelength_unit(
         declared = answer if answer == other else declared  # the numbers contradict the heading
     if answer and declared and answer != declared:
         need = f"must be {declared!r}, as {found.source} declares"
-        remedy = ("omit it", "correct the file")
-        raise refused("wavelength_unit", need, answer, remedy=remedy)
+        raise refused("wavelength_unit", need, answer, remedy=("omit it", "correct the file"))
     if declared or answer:
         return declared or answer or "nm", ()
     listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)

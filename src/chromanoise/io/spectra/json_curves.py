@@ -67,8 +67,7 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     missing = [key for key in _SSF.values() if key not in whole]
     if missing:
         need = f"must have {', '.join(missing)} beside ssf_bands, as a camera of DCamProf"
-        found = f"{', '.join(missing)} is missing"
-        raise refused(source, need, tuple(missing), found)
+        raise refused(source, need, tuple(missing), f"{', '.join(missing)} is missing")
     at = _bands(whole["ssf_bands"], source)
     name = whole.get("camera_name")
     return Found(
@@ -219,8 +218,7 @@ def _row(at: str, values: Any, source: str) -> list[float]:
     wavelength = number_in(at)
     where = f"entry {at[:40]!r} of spectral_data.data.main"
     if wavelength != wavelength or len(real) != len(cells) or not cells:
-        need = "must be a wavelength with a list of numbers"
-        raise refused(source, need, values, where=where)
+        raise refused(source, "must be a wavelength with a list of numbers", values, where=where)
     if not all(abs(v) <= LARGEST for v in real):
         need = "must be finite and at most 1e30"
         raise refused(source, need, values, where=where, remedy="correct it")

@@ -467,8 +467,7 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
         highest = float(curves.values.max())
         assert answers.peak_qe is not None  # asked for by `sensor_questions`
         if highest <= 0:
-            need = "must have a value above 0"
-            raise refused(curves.source, need, highest, "all are 0 or less")
+            raise refused(curves.source, "must have a value above 0", highest, "all are 0 or less")
         curves = replace(curves, values=curves.values * (answers.peak_qe / highest))
         notes = (*notes, f"relative curves, scaled to a highest QE of {answers.peak_qe:g}")
     elif parsed.level is None:
