@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import warnings
+from collections.abc import Callable
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -132,6 +133,18 @@ problem.evaluate(middle[None])
 problem.gradient(middle)"""
 compiling = []
 gc.disable()  # until all tests are collected: what is made before stays to the end
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Callable[..., Path]:
+    """Writes a file of text or bytes into the folder of the test, and returns its path."""
+
+    def write(content: str | bytes, name: str = "file.txt") -> Path:
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write
 
 
 def pytest_collection_finish() -> None:

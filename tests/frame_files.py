@@ -1,5 +1,7 @@
 """Files of raw frames in each format, written by other libraries."""
 
+from functools import partial
+
 import numpy as np
 import tifffile
 from PIL import Image
@@ -28,18 +30,6 @@ def write_packed_npz(path, codes):
 
 def write_tiff(path, codes, **options):
     tifffile.imwrite(path, codes, photometric="minisblack", metadata=None, **options)
-
-
-def write_packed_tiff(path, codes):
-    write_tiff(path, codes, compression="zlib", predictor=True)
-
-
-def write_big_endian_tiff(path, codes):
-    write_tiff(path, codes, byteorder=">")
-
-
-def write_tiled_tiff(path, codes):
-    write_tiff(path, codes, tile=(16, 16), compression="lzma")
 
 
 def write_tiff_by_pillow(path, codes):
@@ -104,23 +94,6 @@ def write_cropped_dng(path, codes, **options):
     write_plain_dng(path, np.pad(codes, ((2, 0), (4, 0))), area, **options)
 
 
-def write_tiled_dng(path, codes):
-    write_plain_dng(path, codes, tile=(16, 16))
-
-
-def write_dng_of_one_tile(path, codes):
-    """Its only tile is larger than the picture."""
-    write_plain_dng(path, codes, tile=(48, 64))
-
-
-def write_cropped_tiles(path, codes):
-    write_cropped_dng(path, codes, tile=(16, 16))
-
-
-def write_cropped_tile(path, codes):
-    write_cropped_dng(path, codes, tile=(48, 64))
-
-
 def write_plain_dng(path, codes, *more, **options):
     """An uncompressed DNG by tifffile, with ``more`` tags."""
     unity = tuple(part for one in np.eye(3).ravel() for part in (int(one), 1))
@@ -143,9 +116,9 @@ WRITERS = {
     "npz": ("a.npz", write_npz),
     "npz packed": ("a.npz", write_packed_npz),
     "tiff": ("a.tif", write_tiff),
-    "tiff packed": ("a.tiff", write_packed_tiff),
-    "tiff big-endian": ("a.tif", write_big_endian_tiff),
-    "tiff tiled": ("a.tif", write_tiled_tiff),
+    "tiff packed": ("a.tiff", partial(write_tiff, compression="zlib", predictor=True)),
+    "tiff big-endian": ("a.tif", partial(write_tiff, byteorder=">")),
+    "tiff tiled": ("a.tif", partial(write_tiff, tile=(16, 16), compression="lzma")),
     "tiff by pillow": ("a.tif", write_tiff_by_pillow),
     "fits": ("a.fits", write_fits),
     "fits floats": ("a.fit", write_fits_of_floats),
@@ -155,9 +128,10 @@ WRITERS = {
     "png": ("a.png", write_png),
     "dng": ("a.dng", write_raw),
     "dng by libraw": ("a.dng", write_cropped_dng),
-    "dng tiled": ("a.dng", write_tiled_dng),
-    "dng of one tile": ("a.dng", write_dng_of_one_tile),
-    "dng of cropped tiles": ("a.dng", write_cropped_tiles),
-    "dng of one cropped tile": ("a.dng", write_cropped_tile),
+    "dng tiled": ("a.dng", partial(write_plain_dng, tile=(16, 16))),
+    # its only tile is larger than the picture
+    "dng of one tile": ("a.dng", partial(write_plain_dng, tile=(48, 64))),
+    "dng of cropped tiles": ("a.dng", partial(write_cropped_dng, tile=(16, 16))),
+    "dng of one cropped tile": ("a.dng", partial(write_cropped_dng, tile=(48, 64))),
 }
 """Name of the file and the function that writes one frame, by format."""

@@ -148,8 +148,6 @@ class Bomb:
 
 
 def test_pickles_in_an_npz_are_never_loaded(tmp_path, capfd):
-    np.savez(tmp_path / "a.npz", reflectance=np.array([Bomb()], dtype=object))
-    assert "object" in refusal(tmp_path / "a.npz")
     with zipfile.ZipFile(tmp_path / "b.npz", "w") as archive:
         archive.writestr("reflectance.pkl", pickle.dumps(Bomb()))
     assert "no arrays" in refusal(tmp_path / "b.npz")
@@ -164,10 +162,9 @@ def npy(header):
     "shape", [b"(a, 2)", b"(2-x, 2)", b"(print(1), 2)", b"[1, 2]", b"(2.5, 2)"]
 )
 @pytest.mark.parametrize("name", ["a.npy", "a.npz"])
-def test_no_message_contains_words_about_the_parser(tmp_path, shape, name):
+def test_no_message_contains_words_about_the_parser(file, shape, name):
     content = npy(b"{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + b"}")
-    path = tmp_path / name
-    path.write_bytes(content)
+    path = file(content, name)
     if name == "a.npz":
         with zipfile.ZipFile(path, "w") as archive:
             archive.writestr("reflectance.npy", content)

@@ -170,7 +170,6 @@ def test_listed_numbers_that_are_not_wavelengths_of_light_are_refused(tmp_path, 
 @pytest.mark.parametrize(
     "comment", ["# Headwall camera, 2 um slit", "# FWHM 5 angstrom", "# center in nm, width in um"]
 )
-def test_a_comment_is_no_unit_of_a_list_of_wavelengths(tmp_path, comment):
-    path = tmp_path / "bands.txt"
-    path.write_text(f"{comment}\n450\n700\n")
+def test_a_comment_is_no_unit_of_a_list_of_wavelengths(file, comment):
+    path = file(f"{comment}\n450\n700\n", "bands.txt")
     assert read_wavelengths(path, 2).tolist() == [450.0, 700.0]

@@ -101,21 +101,17 @@ def _qe(path, answers):
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(st.lists(st.sampled_from(COMMENTS), min_size=1, max_size=6, unique=True))
-def test_free_text_leaves_quantum_efficiencies_as_they_are_to_the_last_digit(
-    tmp_path, form, comments
-):
+def test_free_text_leaves_quantum_efficiencies_as_they_are_to_the_last_digit(file, form, comments):
     written, answers = FORMS[form]
-    path = tmp_path / form
-    path.write_bytes(written([]))
+    path = file(written([]), form)
     bare = _qe(path, answers)
     path.write_bytes(written(comments))
     assert _qe(path, answers).tolist() == bare.tolist()
 
 
 @pytest.mark.parametrize("comment", COMMENTS)
-def test_no_comment_alone_answers_a_question(tmp_path, comment):
-    path = tmp_path / "bare.csv"
-    path.write_text(f"# {comment}\nx,y\n400.5,0.2\n700.5,0.4\n")
+def test_no_comment_alone_answers_a_question(file, comment):
+    path = file(f"# {comment}\nx,y\n400.5,0.2\n700.5,0.4\n", "bare.csv")
     result = read_curves(path)
     assert (result.quantity, result.level, result.per, result.scale) == (
         None,
@@ -154,12 +150,11 @@ HEADS = {
 @pytest.mark.parametrize(
     ("unit", "spelling"), [(unit, s) for unit, all_ in SPELLINGS.items() for s in all_]
 )
-def test_every_declared_unit_of_wavelengths_gives_the_same_curve(tmp_path, unit, spelling, head):
+def test_every_declared_unit_of_wavelengths_gives_the_same_curve(file, unit, spelling, head):
     if spelling == "A" and head == "units below":
         pytest.skip("A alone in a row of units may be a name")
     rows = [f"{w!r},{q!r}" for w, q in zip(UNITS[unit].tolist(), QE.tolist(), strict=True)]
-    path = tmp_path / "filter.ecsv"
-    path.write_text(HEADS[head].format(unit=spelling) + "\n".join(rows), encoding="utf-8")
+    path = file(HEADS[head].format(unit=spelling) + "\n".join(rows), "filter.ecsv")
     result = read_curves(path)
     assert result.wavelength_unit == unit
     assert result.quantity == "transmittance"
@@ -167,10 +162,9 @@ def test_every_declared_unit_of_wavelengths_gives_the_same_curve(tmp_path, unit,
     np.testing.assert_allclose(result.curves.values.ravel(), QE, rtol=1e-12)
 
 
-def test_a_table_of_spectral_flux_in_angstrom_is_a_light(tmp_path):
+def test_a_table_of_spectral_flux_in_angstrom_is_a_light(file):
     # the form of synthetic photometry: names, and units below them, in comments
-    path = tmp_path / "star.dat"
-    path.write_text("# WAVELENGTH FLUX\n# ANGSTROMS FLAM\n3500. 1.\n5500. 2.\n11000. 1.\n")
+    path = file("# WAVELENGTH FLUX\n# ANGSTROMS FLAM\n3500. 1.\n5500. 2.\n11000. 1.\n", "star.dat")
     result = read_curves(path)
     assert (result.quantity, result.per, result.wavelength_unit) == ("power", "energy", "angstrom")
     assert power_of(result).wavelength_nm.tolist() == [350.0, 550.0, 1100.0]
@@ -180,9 +174,8 @@ def test_a_table_of_spectral_flux_in_angstrom_is_a_light(tmp_path):
     "at",
     [(3000, 11000), (300, 11000), (1, 2, 3), (30, 40), (1100, 2500), (9500, 26000), (1000, 3950)],
 )
-def test_no_unit_is_guessed_where_another_could_be_meant(tmp_path, at):
-    path = tmp_path / "filter.dat"
-    path.write_text("\n".join(f"{w} 0.5" for w in at))
+def test_no_unit_is_guessed_where_another_could_be_meant(file, at):
+    path = file("\n".join(f"{w} 0.5" for w in at), "filter.dat")
     span = f"{at[0]}-{at[-1]}"
     with refused_input(subject=str(path), value=span, setting="wavelength_unit"):
         read_curves(path)
@@ -202,16 +195,14 @@ def test_no_unit_is_guessed_where_another_could_be_meant(tmp_path, at):
         "wavelength [0.1 nm],QE\n4000,.1\n10500,.2\n",
     ],
 )
-def test_two_units_or_an_unsupported_one_are_refused(tmp_path, text):
-    path = tmp_path / "two.csv"
-    path.write_text(text)
+def test_two_units_or_an_unsupported_one_are_refused(file, text):
+    path = file(text, "two.csv")
     with refused_input(subject=str(path)):
         read_curves(path)
 
 
-def test_an_option_never_overrides_a_plausible_heading(tmp_path):
-    path = tmp_path / "cam.csv"
-    path.write_text("wavelength_nm,QE\n400,.1\n1050,.2\n")
+def test_an_option_never_overrides_a_plausible_heading(file):
+    path = file("wavelength_nm,QE\n400,.1\n1050,.2\n", "cam.csv")
     with refused_input(
         subject="wavelength_unit", value="angstrom", requirement=re.escape(str(path))
     ):
@@ -319,37 +310,36 @@ def test_a_preview_asks_exactly_where_a_sensor_is_refused(tmp_path, heading, abo
         assert not asked
 
 
-def test_light_per_wavenumber_is_refused_as_a_light(tmp_path):
-    path = tmp_path / "lamp.csv"
-    path.write_text("wavenumber [1/cm],power\n9000,1\n26000,1\n")
+def test_light_per_wavenumber_is_refused_as_a_light(file):
+    path = file("wavenumber [1/cm],power\n9000,1\n26000,1\n", "lamp.csv")
     with refused_input(subject=str(path), value="1/cm"):
         power_of(read_curves(path))
 
 
-def test_a_description_in_an_ecsv_header_is_no_unit(tmp_path):
-    path = tmp_path / "table.ecsv"
-    path.write_text(
+def test_a_description_in_an_ecsv_header_is_no_unit(file):
+    path = file(
         "# %ECSV 1.0\n# ---\n# datatype:\n"
         "# - {name: wave, unit: nm, datatype: float64, description: 'original unit: um'}\n"
-        "# - {name: QE, datatype: float64}\nwave QE\n400.0 0.1\n1050.0 0.2\n"
+        "# - {name: QE, datatype: float64}\nwave QE\n400.0 0.1\n1050.0 0.2\n",
+        "table.ecsv",
     )
     assert read_curves(path).curves.wavelength_nm.tolist() == [400.0, 1050.0]
 
 
 @pytest.mark.parametrize("heading", ["wavelength,QE R,QE G", "wavelength,QE R [%],QE G [%]"])
-def test_units_inside_the_cells_of_wavelengths_leave_the_heading(tmp_path, heading):
+def test_units_inside_the_cells_of_wavelengths_leave_the_heading(file, heading):
     factor = 100 if "%" in heading else 1
-    path = tmp_path / "cells.csv"
-    path.write_text(f"{heading}\n400nm,{factor * 0.5},{factor * 0.25}\n1050nm,{factor * 0.25},0\n")
+    path = file(
+        f"{heading}\n400nm,{factor * 0.5},{factor * 0.25}\n1050nm,{factor * 0.25},0\n", "cells.csv"
+    )
     result = read_curves(path)
     assert result.curves.names == ("QE R", "QE G")
     assert result.quantity == "QE"
     np.testing.assert_allclose(result.curves.values, [[0.5, 0.25], [0.25, 0.0]], rtol=1e-15)
 
 
-def test_percent_of_one_column_is_not_that_of_another(tmp_path):
-    path = tmp_path / "mixed.csv"
-    path.write_text("wavelength_nm,QE G,error [%]\n400,0.5,2\n1050,0.5,2\n")
+def test_percent_of_one_column_is_not_that_of_another(file):
+    path = file("wavelength_nm,QE G,error [%]\n400,0.5,2\n1050,0.5,2\n", "mixed.csv")
     result = read_curves(path)
     assert result.curves.values.ravel().tolist() == [0.5, 0.5]  # the error is a deviation
     path.write_text("wavelength_nm,QE G,T filter [%]\n400,0.5,90\n1050,0.5,90\n")
@@ -359,8 +349,7 @@ def test_percent_of_one_column_is_not_that_of_another(tmp_path):
     assert read_curves(path).curves.values.ravel().tolist() == [0.5, 0.5]
 
 
-def test_where_the_numbers_contradict_a_heading_only_the_unit_that_fits_is_an_answer(tmp_path):
-    path = tmp_path / "cam.csv"
-    path.write_text("wavelength_nm,QE\n0.4,.1\n1.05,.2\n")
+def test_where_the_numbers_contradict_a_heading_only_the_unit_that_fits_is_an_answer(file):
+    path = file("wavelength_nm,QE\n0.4,.1\n1.05,.2\n", "cam.csv")
     with refused_input(subject="wavelength_unit", value="angstrom"):
         read_curves(path, answers=Answers(wavelength_unit="angstrom"))

@@ -354,12 +354,12 @@ ROWS = [
 
 @pytest.mark.parametrize("sign", [",", ";", "\t", " "])
 @pytest.mark.parametrize("comma", [False, True])
-def test_every_delimiter_and_decimal_sign_gives_the_same_table(tmp_path, sign, comma):
+def test_every_delimiter_and_decimal_sign_gives_the_same_table(file, sign, comma):
     if sign == "," and comma:
         return  # a comma parts cells or fractions, not both
     lines = [sign.join(["mean_dn", "variance_dn2", "light"])]
     lines += [sign.join(map(str, row)).replace(".", "," if comma else ".") for row in ROWS]
-    path = file_of(tmp_path, "# a bench\n" + "\n".join(lines))
+    path = file("# a bench\n" + "\n".join(lines), "t.csv")
     assert is_photon_transfer_text(path.read_text())
     table = read_photon_transfer_csv(path)
     assert table.mean_dn.tolist() == [row[0] for row in ROWS]
@@ -367,12 +367,12 @@ def test_every_delimiter_and_decimal_sign_gives_the_same_table(tmp_path, sign, c
     assert table.dark.tolist() == [True, False, False, False]
 
 
-def test_all_columns_of_a_table_are_read(tmp_path):
-    path = file_of(
-        tmp_path,
+def test_all_columns_of_a_table_are_read(file):
+    path = file(
         "Mean [DN];Spatial variance [DN^2];dark mean [DN];dark_variance_dn2;Exposure time [ms];"
         "photons per pixel;samples;operator\n"
         "100,5;20;64;1,5;1;500;1000;A\n200;70;65;2;2;1500;1000;B\n300;120;66;2,5;3;2500;1000;B\n",
+        "t.csv",
     )
     table = read_photon_transfer_csv(path)
     assert table.spatial
@@ -384,9 +384,11 @@ def test_all_columns_of_a_table_are_read(tmp_path):
     assert any("operator" in note for note in photon_transfer_fit(table).notes)
 
 
-def test_a_row_with_0_photons_is_dark(tmp_path):
-    text = "mean_dn,variance_dn2,photons\n64,9,0\n164,59,400\n264,109,800\n364,159,1200\n"
-    fit = photon_transfer_fit(read_photon_transfer_csv(file_of(tmp_path, text)))
+def test_a_row_with_0_photons_is_dark(file):
+    path = file(
+        "mean_dn,variance_dn2,photons\n64,9,0\n164,59,400\n264,109,800\n364,159,1200\n", "t.csv"
+    )
+    fit = photon_transfer_fit(read_photon_transfer_csv(path))
     assert (fit.black_dn, fit.gain_dn_per_e, fit.qe) == pytest.approx((64, 0.5, 0.5))
 
 
@@ -417,15 +419,15 @@ VARIANCE = "line {}, column 'variance_dn2'"
         ),
     ],
 )
-def test_a_table_that_contradicts_itself_is_refused_in_one_sentence(tmp_path, text, fields):
-    path = file_of(tmp_path, text)
+def test_a_table_that_contradicts_itself_is_refused_in_one_sentence(file, text, fields):
+    path = file(text, "t.csv")
     with refused_input(subject=str(path), **fields) as refused:
         photon_transfer_fit(read_photon_transfer_csv(path))
     assert "\n" not in str(refused.value)
 
 
-def test_a_decimal_comma_beside_a_decimal_point_is_refused(tmp_path):
-    path = file_of(tmp_path, "mean_dn;variance_dn2\n1,5;2\n2.5;3\n3;4\n")
+def test_a_decimal_comma_beside_a_decimal_point_is_refused(file):
+    path = file("mean_dn;variance_dn2\n1,5;2\n2.5;3\n3;4\n", "t.csv")
     with pytest.raises(InputError) as refused:
         read_photon_transfer_csv(path)
     assert all(part in str(refused.value) for part in (str(path), "line 2", "line 3"))

@@ -15,16 +15,6 @@ from outcomes import refused_input
 ROWS = "64,1.5\n164,51.5\n264,101.5\n364,151.5\n"
 
 
-@pytest.fixture
-def file(tmp_path):
-    def write(text):
-        path = tmp_path / "pixel.txt"
-        path.write_text(text)
-        return path
-
-    return write
-
-
 def test_a_noise_profile_alone_tells_the_read_noise_in_electrons(file):
     # 1 / S = 5000 e- from black to white; sqrt(O) = 0.001 of them
     result = read_noise_profile(file("NoiseProfile: 0.0002 0.000001\n"))

@@ -186,9 +186,8 @@ def test_greek_dots_and_words_name_the_same_value(name):
         ('{"K":' + "[" * 100_000, "", None),
     ],
 )
-def test_a_sheet_that_cannot_be_used_is_refused_in_one_sentence(tmp_path, lines, where, value):
-    path = tmp_path / "sheet.txt"
-    path.write_text(lines, encoding="utf-8")
+def test_a_sheet_that_cannot_be_used_is_refused_in_one_sentence(file, lines, where, value):
+    path = file(lines, "sheet.txt")
     with refused_input(subject=str(path), where=where, value=value) as refused:
         read_emva_sheet(path)
     assert "\n" not in str(refused.value)
@@ -506,9 +505,8 @@ def test_a_photon_transfer_is_read_from_csv_to_the_digit(tmp_path):
         ("mean_dn,variance_dn2\n1,2\n2,3\n4,1e30\n", "largest variance_dn2", 1e30),
     ],
 )
-def test_a_photon_transfer_that_cannot_be_used_is_refused(tmp_path, text, where, value):
-    path = tmp_path / "t.csv"
-    path.write_text(text, encoding="utf-8")
+def test_a_photon_transfer_that_cannot_be_used_is_refused(file, text, where, value):
+    path = file(text, "t.csv")
     with refused_input(subject=str(path), where=where, value=value):
         photon_transfer_fit(read_photon_transfer_csv(path))
 
@@ -621,9 +619,8 @@ def test_a_camera_that_is_not_there_brings_the_nearest(tmp_path, name, value, ne
         ("{", "line 1, column 2"),
     ],
 )
-def test_another_json_is_not_taken_for_noise_profiles(tmp_path, text, where):
-    path = tmp_path / "n.json"
-    path.write_text(text, encoding="utf-8")
+def test_another_json_is_not_taken_for_noise_profiles(file, text, where):
+    path = file(text, "n.json")
     with refused_input(subject=str(path), where=where):
         read_darktable_noise(path, maker="Canon", model="EOS-1Ds", iso=50)
 

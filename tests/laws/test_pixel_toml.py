@@ -14,16 +14,6 @@ from outcomes import refused_input
 HEAD = 'schema = "chromanoise pixel"\nschema_version = 1\n'
 
 
-@pytest.fixture
-def file(tmp_path):
-    def write(text, name="pixel.toml"):
-        path = tmp_path / name
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 def number(name):
     """A value of a pixel that a file may have."""
     bounds = (PIXEL[name].least, PIXEL[name].most) if name in PIXEL else (1e-3, 1e6)
@@ -102,7 +92,7 @@ def test_the_schema_line_marks_a_pixel_under_any_name(file):
 
 
 def test_row_noise_reaches_the_pixel_of_a_sensor_and_an_option_overrides_it(file):
-    path = str(file(f"{HEAD}row_noise_e = 3.5\n"))
+    path = str(file(f"{HEAD}row_noise_e = 3.5\n", "pixel.toml"))
     assert sensor_with_pixel("onyx-rgbw", file=path).pixel.row_noise_e == 3.5
     assert sensor_with_pixel("onyx-rgbw", file=path, row_noise_e=0.0).pixel.row_noise_e == 0.0
 
@@ -132,7 +122,7 @@ def test_row_noise_reaches_the_pixel_of_a_sensor_and_an_option_overrides_it(file
     ],
 )
 def test_what_is_wrong_is_refused_with_its_key(file, text, where, value):
-    path = file(text)
+    path = file(text, "pixel.toml")
     with refused_input(subject=str(path), where=where) as caught:
         read_pixel_source(path)
     held = caught.value.value
@@ -143,7 +133,7 @@ def test_what_is_wrong_is_refused_with_its_key(file, text, where, value):
     "text", [f"{HEAD}a = [", "K = 2 DN/e-\n", f"{HEAD}a = {'[' * 5000}", f"{HEAD}a = {'1' * 9999}"]
 )
 def test_text_that_is_not_toml_is_refused(file, text):
-    path = file(text)
+    path = file(text, "pixel.toml")
     with refused_input(subject=str(path)):
         read_pixel_source(path)
 

@@ -15,16 +15,6 @@ from outcomes import refused_input
 AT_NM = np.arange(400.0, 701.0, 10.0)
 
 
-@pytest.fixture
-def file(tmp_path):
-    def write(text, name="curves.csv"):
-        path = tmp_path / name
-        path.write_text(text)
-        return path
-
-    return write
-
-
 def abouts(result):
     return {question.about for question in result.questions}
 
@@ -162,9 +152,8 @@ def cgats_of(sets):
 
 
 @pytest.mark.evidence
-def test_a_file_of_very_many_curves_is_refused_at_once(tmp_path):
-    path = tmp_path / "a.sp"
-    path.write_text(cgats_of(3000))
+def test_a_file_of_very_many_curves_is_refused_at_once(file):
+    path = file(cgats_of(3000), "a.sp")
     start = time.process_time()
     assert len(read_curves(path).curves.names) == 3000
     accepted_s = time.process_time() - start

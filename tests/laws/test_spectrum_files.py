@@ -32,16 +32,6 @@ real_files = pytest.mark.skipif(SHARED is None, reason="needs the real files of 
 GRID = Grid.uniform(400, 700, 100)
 
 
-@pytest.fixture
-def file(tmp_path):
-    def write(content, name="curves.csv"):
-        path = tmp_path / name
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return path
-
-    return write
-
-
 def refusal(path, answers=None):
     with pytest.raises(InputError) as refused:
         read_curves(path, answers=answers or Answers())

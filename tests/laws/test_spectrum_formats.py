@@ -17,16 +17,6 @@ from spectrum_samples import AT_NM, GREEN, RED
 CURVES = np.stack([RED, GREEN], axis=1)
 
 
-@pytest.fixture
-def file(tmp_path):
-    def write(name, content):
-        path = tmp_path / name
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return path
-
-    return write
-
-
 def refusal(path):
     with pytest.raises(InputError) as refused:
         read_curves(path)
@@ -71,7 +61,7 @@ def cmy(**changes):
     ],
 )
 def test_isetcam_may_name_its_filters_in_any_of_its_ways(file, changes, names):
-    read = read_curves(file("CMY.mat", cmy(**changes)))
+    read = read_curves(file(cmy(**changes), "CMY.mat"))
     assert read.curves.names == names
     assert np.array_equal(read.curves.values, CURVES)
 
@@ -89,10 +79,10 @@ def with_bare_cell(content: bytes) -> bytes:
 
 def test_an_empty_cell_without_a_body_and_zeros_at_the_end_are_valid(file):
     content = cmy(filterNames=cells("c", "m"))
-    read = read_curves(file("cym.mat", with_bare_cell(content)))
+    read = read_curves(file(with_bare_cell(content), "cym.mat"))
     assert read.curves.names == ("1", "2")  # one of the names is empty
     assert np.array_equal(read.curves.values, CURVES)
-    padded = read_curves(file("padded.mat", content + bytes(512)))
+    padded = read_curves(file(content + bytes(512), "padded.mat"))
     assert padded.curves.names == ("c", "m")
 
 
@@ -101,7 +91,7 @@ def test_an_empty_cell_without_a_body_and_zeros_at_the_end_are_valid(file):
 
 def test_a_camera_of_jiang_has_the_wavelengths_of_its_paper_and_a_note(file):
     curves = {name: np.linspace(0.1 * k, 1.0, 33) for k, name in enumerate("rgb")}
-    read = read_curves(file("cmf_Some.mat", matlab(**curves)))
+    read = read_curves(file(matlab(**curves), "cmf_Some.mat"))
     assert read.curves.wavelength_nm.tolist() == list(range(400, 721, 10))
     assert read.curves.names == ("R", "G", "B")
     assert np.array_equal(read.curves.values, np.stack([*curves.values()], axis=1))
@@ -110,7 +100,7 @@ def test_a_camera_of_jiang_has_the_wavelengths_of_its_paper_and_a_note(file):
 
 
 def test_r_g_b_of_another_length_are_refused_for_lack_of_wavelengths(file):
-    error = refusal(file("rgb.mat", matlab(**dict.fromkeys("rgb", np.ones(31)))))
+    error = refusal(file(matlab(**dict.fromkeys("rgb", np.ones(31))), "rgb.mat"))
     assert error.value == (31, 31, 31)
 
 
@@ -120,7 +110,7 @@ DCAMPROF = {"camera_name": "A", "red_ssf": [0.1, 0.2, 0.9], "green_ssf": [0.1, 1
 
 @pytest.mark.parametrize("bands", [[400, 500, 600], [400, 600, 100]])
 def test_a_camera_of_ssf_data_is_a_relative_response_per_energy(file, bands):
-    path = file("A.json", json.dumps({"ssf_bands": bands, **DCAMPROF}))
+    path = file(json.dumps({"ssf_bands": bands, **DCAMPROF}), "A.json")
     read = read_curves(path)
     assert read.curves.wavelength_nm.tolist() == [400, 500, 600]
     assert read.curves.values.T.tolist() == [DCAMPROF[f"{c}_ssf"] for c in ("red", "green", "blue")]
@@ -135,7 +125,7 @@ def test_a_camera_of_ssf_data_is_a_relative_response_per_energy(file, bands):
 
 
 def test_a_spectrum_of_dcamprof_is_divided_by_its_scale(file):
-    path = file("lamp.json", json.dumps({"bands": [400, 500], "scale": 4, "spectrum": [1, 2]}))
+    path = file(json.dumps({"bands": [400, 500], "scale": 4, "spectrum": [1, 2]}), "lamp.json")
     assert read_curves(path).curves.values.ravel().tolist() == [0.25, 0.5]
 
 
@@ -149,7 +139,7 @@ def test_a_spectrum_of_dcamprof_is_divided_by_its_scale(file):
     ],
 )  # fmt: skip
 def test_plain_lists_of_json_are_curves_over_their_list_of_wavelengths(file, form):
-    path = file("A.json", json.dumps(form))
+    path = file(json.dumps(form), "A.json")
     if "iso" in form:
         error = refusal(path)
         assert (error.where, error.value) == ("key 'iso'", 1)
@@ -177,7 +167,7 @@ def test_plain_lists_of_json_are_curves_over_their_list_of_wavelengths(file, for
     ],
 )
 def test_invalid_json_of_a_known_format_is_refused_in_one_sentence(file, form):
-    refusal(file("A.json", json.dumps(form)))
+    refusal(file(json.dumps(form), "A.json"))
 
 
 # ENVI
@@ -201,8 +191,8 @@ def test_an_envi_library_is_read_by_either_of_its_files(file, named, code, dtype
     order = {"<": 0, ">": 1}[dtype[0]]
     text = header(**{"data type": code, "byte order": order})
     for data, head in (("lib.sli", "lib.hdr"), ("both.sli", "both.sli.hdr")):
-        first = file(data, counts.astype(dtype).tobytes())
-        file(head, text)
+        first = file(counts.astype(dtype).tobytes(), data)
+        file(text, head)
     read = read_curves(first.with_name(named))
     assert read.curves.names == ("oak", "elm")
     assert read.curves.wavelength_nm.tolist() == AT_NM.tolist()
@@ -213,8 +203,8 @@ def test_an_envi_library_is_read_by_either_of_its_files(file, named, code, dtype
 def test_an_envi_library_is_read_without_its_deleted_points_and_with_a_note(file):
     values = CURVES.T.astype("<f4").copy()
     values[0, 1] = -1.23e34
-    file("lib.hdr", header(**{"reflectance scale factor": None}))
-    read = read_curves(file("lib.sli", values.tobytes()))
+    file(header(**{"reflectance scale factor": None}), "lib.hdr")
+    read = read_curves(file(values.tobytes(), "lib.sli"))
     # between 0.0125 and 0.45 over 200 nm
     assert read.curves.values[1, 0] == pytest.approx((0.0125 + 0.45) / 2, rel=1e-6)
     assert any("oak: 1 values" in defect for defect in read.defects)
@@ -236,8 +226,8 @@ def test_an_envi_library_is_read_without_its_deleted_points_and_with_a_note(file
     ],
 )
 def test_an_envi_library_that_contradicts_itself_is_refused(file, changes, where, value):
-    head = file("lib.hdr", header(**changes))
-    path = file("lib.sli", CURVES.T.astype("<f4").tobytes())
+    head = file(header(**changes), "lib.hdr")
+    path = file(CURVES.T.astype("<f4").tobytes(), "lib.sli")
     subject = path if "samples" in changes else head
     with refused_input(subject=str(subject), where=where, value=value) as refused:
         read_curves(path)
@@ -245,8 +235,8 @@ def test_an_envi_library_that_contradicts_itself_is_refused(file, changes, where
 
 
 def test_half_of_an_envi_library_is_refused(file):
-    assert refusal(file("lib.sli", bytes(32))).value == "lib.hdr"
-    path = file("other.hdr", header())
+    assert refusal(file(bytes(32), "lib.sli")).value == "lib.hdr"
+    path = file(header(), "other.hdr")
     assert refusal(path).subject == str(path)
 
 
@@ -281,7 +271,7 @@ def fits_bytes(unit: str | None = "Angstrom", flux=RED, cards=()) -> bytes:
 
 def test_a_fits_table_is_read_in_the_unit_of_its_column(file):
     pytest.importorskip("astropy")
-    read = read_curves(file("lamp.fits", fits_bytes()))
+    read = read_curves(file(fits_bytes(), "lamp.fits"))
     assert read.curves.wavelength_nm == pytest.approx(AT_NM)
     assert np.array_equal(read.curves.values[:, 0], RED)
     assert read.curves.names == ("flux",)
@@ -290,9 +280,9 @@ def test_a_fits_table_is_read_in_the_unit_of_its_column(file):
 
 def test_a_fits_table_without_wavelengths_or_in_another_unit_is_refused(file):
     pytest.importorskip("astropy")
-    assert refusal(file("lamp.fits", fits_bytes("GHz"))).value == "GHz"
+    assert refusal(file(fits_bytes("GHz"), "lamp.fits")).value == "GHz"
     nameless = fits_bytes().replace(b"'wavelength'", b"'somewhere '")
-    refusal(file("none.fits", nameless))
+    refusal(file(nameless, "none.fits"))
 
 
 @pytest.mark.parametrize(("scale", "zero"), [(1.0, 0.0), (1e-3, 0.0), (1, 32768)])
@@ -300,7 +290,7 @@ def test_a_fits_cell_of_the_declared_null_number_is_no_value(file, scale, zero):
     pytest.importorskip("astropy")
     stored = np.array([500, -999, 400, 300])
     cards = [("TNULL2", -999), ("TSCAL2", scale), ("TZERO2", zero)]
-    read = read_curves(file("lamp.fits", fits_bytes(flux=stored, cards=cards)))
+    read = read_curves(file(fits_bytes(flux=stored, cards=cards), "lamp.fits"))
     known = [zero + scale * number for number in (500, 400, 300)]
     assert read.curves.values[:, 0] == pytest.approx(known)
     assert read.curves.wavelength_nm.tolist() == [400.0, 600.0, 700.0]
@@ -321,7 +311,7 @@ def test_a_fits_cell_of_the_declared_null_number_is_no_value(file, scale, zero):
     ],
 )
 def test_spaces_in_a_unit_do_not_hide_it(file, heading, quantity, scale, values):
-    read = read_curves(file("a.csv", f"wavelength (nm ),{heading}\n400,10\n500,20\n"))
+    read = read_curves(file(f"wavelength (nm ),{heading}\n400,10\n500,20\n", "a.csv"))
     assert (read.quantity, read.scale, read.wavelength_unit) == (quantity, scale, "nm")
     assert read.curves.names == (heading[: heading.index(" ")],)
     assert read.curves.values.ravel() == pytest.approx(values)
@@ -379,7 +369,7 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_file_of_another_kind_is_refused_with_the_kind_of_its_first_bytes(file, kind):
-    assert kind in refusal(file("curves.csv", KINDS[kind])).value
+    assert kind in refusal(file(KINDS[kind], "curves.csv")).value
 
 
 TABLE = "Wellenlänge [µm];Grün (%)\r\n0,4;12,5\r\n0,5;50,0\r\n"
@@ -389,7 +379,7 @@ TABLE = "Wellenlänge [µm];Grün (%)\r\n0,4;12,5\r\n0,5;50,0\r\n"
     "coding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"]
 )
 def test_a_table_is_read_in_every_supported_character_encoding(file, coding):
-    read = read_curves(file("a.csv", TABLE.encode(coding)))
+    read = read_curves(file(TABLE.encode(coding), "a.csv"))
     assert read.curves.wavelength_nm.tolist() == [400.0, 500.0]
     assert read.curves.names == ("Grün",)
     assert read.curves.values.ravel().tolist() == [0.125, 0.5]
@@ -405,6 +395,6 @@ def test_no_message_of_a_third_party_parser_is_shown(file, monkeypatch):
         raise TypeError("expected <class 'int'>")
 
     monkeypatch.setattr(door, "meaning_of", broken)
-    message = str(refusal(file("a.csv", "nm,A\n400,0.1\n500,0.2\n")))
+    message = str(refusal(file("nm,A\n400,0.1\n500,0.2\n", "a.csv")))
     assert "class" not in message
     assert "expected" not in message

@@ -233,7 +233,7 @@ def test_a_camera_without_red_green_or_blue_is_no_rawtoaces_camera():
 
 
 @pytest.mark.parametrize("quantity", ["reflectance", "Irradiance", "QE"])
-def test_colour_science_reads_our_tm_27_to_the_last_digit(tmp_path, quantity):
+def test_colour_science_reads_our_tm_27_to_the_last_digit(file, quantity):
     at = np.array([400.0, 405.5, 412.25])
     spectra = Spectra(
         wavelength_nm=at,
@@ -244,8 +244,7 @@ def test_colour_science_reads_our_tm_27_to_the_last_digit(tmp_path, quantity):
         source="a field",
         notes=("held beyond 412 nm",),
     )
-    path = tmp_path / "leaf.spdx"
-    path.write_text(spectra_spdx(spectra, spectra.names[0], created="2026-01-31"), "utf-8")
+    path = file(spectra_spdx(spectra, spectra.names[0], created="2026-01-31"), "leaf.spdx")
     read = colour.SpectralDistribution_IESTM2714(str(path)).read()
     assert read.wavelengths.tolist() == at.tolist()
     assert read.values.tolist() == spectra.values[:, 0].tolist()
@@ -319,11 +318,10 @@ FORMULAS = ["=1+1", "+A", "-3.2", "@SUM(A1)", "'=x", "''-1", "=1 [%]", "'tis", "
 
 
 @pytest.mark.parametrize("name", FORMULAS)
-def test_a_name_like_a_formula_is_guarded_in_every_csv_and_read_back(tmp_path, name):
+def test_a_name_like_a_formula_is_guarded_in_every_csv_and_read_back(file, tmp_path, name):
     notes = (f"a,{name}", name, f"b;  {name}; 'c, 5 %")
     sensor = rgb([[0.1, 0.2, 0.3]] * 3, names=(name, "G", f"{name} b"), notes=notes)
-    sensors = tmp_path / "s.csv"
-    sensors.write_text(sensor_csv(sensor), encoding="utf-8")
+    sensors = file(sensor_csv(sensor), "s.csv")
     matrices = tmp_path / "m.csv"
     made = a_matrix((name, "G", f"{name} b"), notes=notes)
     matrices.write_text(matrix_csv(made), encoding="utf-8")
@@ -480,13 +478,11 @@ def test_json_that_is_no_table_is_refused(change):
 # results as tables
 
 
-def test_our_own_readers_find_in_rawtoaces_and_tm_27_the_curves_of_the_sensor(tmp_path):
+def test_our_own_readers_find_in_rawtoaces_and_tm_27_the_curves_of_the_sensor(file):
     sensor = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
-    path = tmp_path / "green.spdx"
-    path.write_text(spectra_spdx(sensor_spectra(sensor), "G", created="2026-01-31"), "utf-8")
+    path = file(spectra_spdx(sensor_spectra(sensor), "G", created="2026-01-31"), "green.spdx")
     assert np.array_equal(read_curves(path).curves.values[:, 0], sensor.qe[:, 1])
-    path = tmp_path / "camera.json"
-    path.write_text(sensor_rawtoaces_json(sensor, created="2026-01-31T12:00:00Z"), "utf-8")
+    path = file(sensor_rawtoaces_json(sensor, created="2026-01-31T12:00:00Z"), "camera.json")
     read = read_curves(path).curves
     assert read.names == ("R", "G", "B")
     assert read.values.max() == 1.0

@@ -68,19 +68,17 @@ def test_a_matrix_made_for_another_time_gives_the_same_colors(exported):
     )
 
 
-def test_a_row_normalized_matrix_to_srgb_keeps_white(tmp_path):
+def test_a_row_normalized_matrix_to_srgb_keeps_white(file):
     # identity on white-balanced raw: the white is the white of sRGB, so X, Y, Z of the light
-    path = tmp_path / "isp.csv"
-    path.write_text("to linear sRGB,R,G,B\nR,1,0,0\nG,0,1,0\nB,0,0,1\n")
+    path = file("to linear sRGB,R,G,B\nR,1,0,0\nG,0,1,0\nB,0,0,1\n", "isp.csv")
     lux = first(str(path))["color"]["mean_lux"]
     white = cn.color.scene_xyz(cn.noise.white_scene(cn.analyze(SENSOR, lux=10).points[0]))
     assert list(lux.values()) == pytest.approx(white.tolist(), rel=2e-4)  # sRGB's published digits
 
 
-def test_columns_in_another_order_are_put_in_that_of_the_sensor(exported, tmp_path):
+def test_columns_in_another_order_are_put_in_that_of_the_sensor(exported, file):
     rows = [line.split(",") for line in exported("csv").read_text().splitlines() if line[0] != "#"]
-    swapped = tmp_path / "swapped.csv"
-    swapped.write_text("\n".join(",".join([r[0], r[3], r[1], r[2]]) for r in rows))
+    swapped = file("\n".join(",".join([r[0], r[3], r[1], r[2]]) for r in rows), "swapped.csv")
     own = first(str(exported("csv")))["matrix"]
     assert first(str(swapped))["matrix"] == own
 
@@ -117,10 +115,9 @@ def two_lights(codes, order="<"):
     ],
 )
 def test_of_two_matrices_of_a_profile_a_note_names_the_used_and_the_unused(
-    tmp_path, codes, used, other, scale
+    file, codes, used, other, scale
 ):
-    path = tmp_path / "two.dcp"
-    path.write_bytes(two_lights(codes))
+    path = file(two_lights(codes), "two.dcp")
     read = read_matrix(path)
     assert read.values.tolist() == (scale * np.eye(3)).tolist()
     (note,) = read.notes
@@ -139,17 +136,15 @@ def test_of_two_matrices_of_a_profile_in_json_a_note_names_the_unused(tmp_path):
     assert "ColorMatrix1 (StdA) is used; ColorMatrix2 (unknown light) is not used" in note
 
 
-def test_a_profile_of_one_matrix_has_no_such_note(tmp_path):
-    path = tmp_path / "one.dcp"
-    path.write_bytes(tiff_profile(np.eye(3)))
+def test_a_profile_of_one_matrix_has_no_such_note(file):
+    path = file(tiff_profile(np.eye(3)), "one.dcp")
     assert read_matrix(path).notes == ()
 
 
 @pytest.mark.parametrize("order", "<>")
-def test_the_matrix_of_a_dcp_is_inverted_and_scaled_to_the_luminance_of_the_white(tmp_path, order):
+def test_the_matrix_of_a_dcp_is_inverted_and_scaled_to_the_luminance_of_the_white(file, order):
     matrix = [[0.9, -0.3, -0.05], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]
-    path = tmp_path / "a.dcp"
-    path.write_bytes(tiff_profile(matrix, order=order))
+    path = file(tiff_profile(matrix, order=order), "a.dcp")
     read = read_matrix(path)
     assert read.values.tolist() == matrix
     assert read.kelvin == 6504
@@ -192,9 +187,8 @@ def test_the_color_matrix_of_our_dng_is_that_which_tifffile_reads(tmp_path, done
         ("lx/e-,R,G,B\nX," + 200_000 * "1" + "\nY\nZ\n", {}),
     ],
 )
-def test_a_file_without_a_matrix_for_the_sensor_is_refused(tmp_path, text, fields):
-    path = tmp_path / "m.csv"
-    path.write_text(text)
+def test_a_file_without_a_matrix_for_the_sensor_is_refused(file, text, fields):
+    path = file(text, "m.csv")
     with refused_input(**fields):
         first(str(path))
 
@@ -234,9 +228,8 @@ def test_a_profile_without_three_numbers_per_channel_is_refused(tmp_path, count)
         ),
     ],
 )
-def test_json_that_is_no_matrix_of_channels_is_refused(tmp_path, data, fields):
-    path = tmp_path / "a.json"
-    path.write_text(json.dumps(data))
+def test_json_that_is_no_matrix_of_channels_is_refused(file, data, fields):
+    path = file(json.dumps(data), "a.json")
     with refused_input(**fields):
         read_matrix(path)
 
@@ -284,17 +277,15 @@ def test_a_matrix_made_for_another_sensor_light_or_level_says_so(exported):
         assert "10 lx" in note
 
 
-def test_a_matrix_of_rank_one_says_so(tmp_path):
-    path = tmp_path / "gray.csv"
-    path.write_text("1,0,0\n1,0,0\n1,0,0\n", encoding="utf-8")
+def test_a_matrix_of_rank_one_says_so(file):
+    path = file("1,0,0\n1,0,0\n1,0,0\n", "gray.csv")
     (note,) = notes_of(SENSOR, path, lux=10)
     assert "rank 1" in note
 
 
 @pytest.mark.parametrize(("gain", "noted"), [(1.0, False), (1.9, False), (3.0, True), (0.3, True)])
-def test_a_matrix_of_another_scale_says_so_and_changes_no_snr(tmp_path, gain, noted):
-    path = tmp_path / "scaled.csv"
-    path.write_text(f"{gain},0,0\n0,{gain},0\n0,0,{gain}\n", encoding="utf-8")
+def test_a_matrix_of_another_scale_says_so_and_changes_no_snr(file, gain, noted):
+    path = file(f"{gain},0,0\n0,{gain},0\n0,0,{gain}\n", "scaled.csv")
     (one,) = cn.analyze(SENSOR, matrix=str(path), lux=10).analyses
     assert any("perfect white of 10 lx" in note for note in one.matrix.notes) == noted
     path.write_text("1,0,0\n0,1,0\n0,0,1\n", encoding="utf-8")
