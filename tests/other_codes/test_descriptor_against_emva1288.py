@@ -104,9 +104,8 @@ def test_a_damaged_descriptor_is_refused_with_its_line(tmp_path, name):
     lines, fields = WRONG[name]
     put(tmp_path, 4)
     path = described(tmp_path, *lines)
-    with refused_input(subject=str(path), **fields) as caught:
+    with refused_input(subject=str(path), **fields):
         read_frame_set([tmp_path])
-    assert "\n" not in str(caught.value)
 
 
 def test_frames_of_another_size_or_that_are_missing_are_refused(tmp_path):

@@ -361,9 +361,8 @@ UNREADABLE = {
 
 @pytest.mark.parametrize(("changed", "fields"), UNREADABLE.values(), ids=UNREADABLE)
 def test_what_a_dng_cannot_hold_is_refused_with_what_came(changed, fields):
-    with refused_input(**fields) as refused:
+    with refused_input(**fields):
         profile_of(**{"mosaic": bayer(), **changed})
-    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(
