@@ -487,29 +487,6 @@ def test_a_photon_transfer_is_read_from_csv_to_the_digit(tmp_path):
     assert np.array_equal(read.samples, table.samples)
 
 
-@pytest.mark.parametrize(
-    ("text", "where", "value"),
-    [
-        ("mean,variance\n1,2\n", "line 1", ["mean", "variance"]),
-        ("mean_dn,variance_dn2\n1,2,3\n", "line 2", 3),
-        ("mean_dn,variance_dn2\n1,x\n", "line 2, column 'variance_dn2'", "x"),
-        ("mean_dn,variance_dn2\n1,nan\n", "line 2, column 'variance_dn2'", "nan"),
-        ("mean_dn,variance_dn2\n1,2\n2,3\n", "", 2),
-        ("mean_dn,variance_dn2\n", "", 0),
-        ("mean_dn,variance_dn2,light\n1,2,dim\n", "line 2, column 'light'", "dim"),
-        ("mean_dn,variance_dn2,samples\n1,2,1\n2,3,1\n3,4,1\n", "column 'samples'", 1.0),
-        ("mean_dn,variance_dn2\n1,2\n2,-3\n3,4\n", "variance_dn2", -3.0),
-        ("", "", 0),
-        ("mean_dn,variance_dn2\n1,2\n2,3\n1e29,4\n", "largest |mean_dn|", 1e29),
-        ("mean_dn,variance_dn2\n1,2\n2,3\n4,1e30\n", "largest variance_dn2", 1e30),
-    ],
-)
-def test_a_photon_transfer_that_cannot_be_used_is_refused(file, text, where, value):
-    path = file(text, "t.csv")
-    with refused_input(subject=str(path), where=where, value=value):
-        photon_transfer_fit(read_photon_transfer_csv(path))
-
-
 def test_a_variance_that_does_not_grow_is_no_photon_transfer():
     x = np.array([0.0, 1.0, 2.0, 3.0])
     for variance in (4 - x, 0 * x, 0 * x + 1):

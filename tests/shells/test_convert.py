@@ -32,17 +32,6 @@ def test_a_sensor_comes_back_from_its_own_json_to_the_digit_and_can_be_used_as_a
     )
 
 
-def test_curves_come_back_from_csv_json_and_csv_again_to_the_digit(done, here):
-    rng = np.random.default_rng(2)
-    table = rng.random((9, 3)) * 10.0 ** rng.integers(-12, 0, (9, 3))
-    rows = [",".join(map(repr, [400.0 + 72.5 * i, *row])) for i, row in enumerate(table.tolist())]
-    (here / "a.csv").write_text("\n".join(["wavelength_nm,R,G,B", *rows]))
-    done("convert", "a.csv", "b.json", "--quantity", "QE", "--absolute")
-    done("convert", "b.json", "c.csv")
-    assert (read_curves(here / "b.json").curves.values == table).all()
-    assert (read_curves(here / "c.csv").curves.values == table).all()
-
-
 def test_a_sensor_of_the_catalog_that_asks_is_converted_with_the_answers(done, here):
     answers = ("--beyond", "zero", "--peak-qe", 0.6)
     done("convert", "ar0132at-rgbw", "x.csv", *answers)
