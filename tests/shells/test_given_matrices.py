@@ -1,25 +1,38 @@
-"""Color matrices from files: what is written is read, and a strange file is refused."""
+"""Color matrices in files: what is written others and we read, and a strange file is refused."""
 
+import csv
 import json
 import struct
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
 import tifffile
 
 import chromanoise as cn
-from chromanoise.io.matrix_files import is_matrix_file, read_matrix
-from chromanoise.study import color_snr_db
+from chromanoise.color import kernel_matrix
+from chromanoise.io.matrix_files import (
+    MadeMatrix,
+    balanced,
+    is_matrix_file,
+    matrix_clf,
+    read_matrix,
+)
+from chromanoise.noise import Exposure, expected_electrons
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import color_snr_db, sensor_named
 from outcomes import refused_input
 
 SENSOR = "onyx-rgb-ircut"
+EXPOSURE, TIME = Exposure(time_s=0.0119), ("--time-ms", "11.9")
 
 
 @pytest.fixture
-def exported(tmp_path, done):
-    def written(ending, *options):
+def exported(tmp_path, run):
+    def written(ending, *options, sensor=SENSOR):
         path = tmp_path / f"m.{ending}"
-        done("matrix", SENSOR, "--lux", "10", *options, "--export", str(path))
+        code, _, err = run("matrix", sensor, "--lux", "10", *options, "--export", str(path))
+        assert code == 0, err
         return path
 
     return written
@@ -297,3 +310,75 @@ def test_an_option_that_is_given_twice_is_refused(run):
     code, out, err = run("analyze", SENSOR, "--matrix", "lmmse", "--matrix", "kernel")
     assert (code, out) == (2, "")
     assert "--matrix" in err
+
+
+# other programs read what the library says
+
+
+def made(name):
+    white = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
+    sensor = sensor_named(name, DEFAULT_GRID)
+    white_e = expected_electrons(white, sensor, EXPOSURE)
+    matrix = kernel_matrix(sensor, EXPOSURE)
+    return MadeMatrix(
+        sensor=name,
+        illuminant="E",
+        level_lux=10.0,
+        time_s=EXPOSURE.time_s,
+        f_number=EXPOSURE.f_number,
+        pitch_um=sensor.pixel.pitch_um,
+        matrix=matrix,
+        white_e=white_e,
+        white_lux=float(matrix.matrix[1] @ white_e),
+        notes=sensor.notes,
+    )
+
+
+def test_the_balanced_matrix_sends_the_balanced_white_to_a_luminance_of_one():
+    assert balanced(made("onyx-rgbw"))[1].sum() == pytest.approx(1.0, abs=1e-12)
+
+
+def test_csv_and_json_hold_every_digit(exported):
+    data = json.loads(exported("json", *TIME, sensor="onyx-rgbw").read_text())
+    lines = exported("csv", *TIME, sensor="onyx-rgbw").read_text().splitlines()
+    facts = dict(line[2:].split(": ", 1) for line in lines if line.startswith("#"))
+    rows = list(csv.reader(line for line in lines if not line.startswith("#")))
+    ours = made("onyx-rgbw").matrix.matrix
+    assert data["matrix_lux_per_e"] == ours.tolist()
+    assert rows[0] == ["lx/e-", "R", "G", "B", "W"]
+    assert [[float(cell) for cell in row[1:]] for row in rows[1:]] == ours.tolist()
+    assert "reconstruction" in data["notes"]
+    for name, value in (("f_number", 1.8), ("pitch_um", 10.0)):
+        assert data[name] == float(facts[name]) == value
+
+
+def test_clf_is_well_formed_and_holds_the_balanced_matrix(exported):
+    root = ElementTree.fromstring(exported("clf", *TIME).read_text())
+    space = {"clf": "urn:AMPAS:CLF:v3.0"}
+    array = root.find("clf:Matrix/clf:Array", space)
+    assert array.attrib["dim"] == "3 3"
+    values = np.array(array.text.split(), dtype=float).reshape(3, 3)
+    np.testing.assert_allclose(values, balanced(made(SENSOR)), rtol=1e-9)
+
+
+def test_opencolorio_applies_the_clf_as_the_library_multiplies(exported):
+    ocio = pytest.importorskip("PyOpenColorIO", reason="OpenColorIO is not installed")
+    path = exported("clf", *TIME)
+    processor = ocio.Config.CreateRaw().getProcessor(ocio.FileTransform(str(path)))
+    raw = [0.2, 0.5, 0.9]
+    seen = processor.getDefaultCPUProcessor().applyRGB(raw)
+    np.testing.assert_allclose(seen, balanced(made(SENSOR)) @ raw, rtol=2e-6)
+
+
+def test_the_camera_profile_goes_from_xyz_to_camera_and_its_neutral_is_the_white(exported):
+    data = json.loads(exported("dcp.json", *TIME).read_text())
+    source = made(SENSOR)
+    white_xyz = source.matrix.matrix @ source.white_e / source.white_lux
+    camera = np.array(data["ColorMatrix1"]) @ white_xyz
+    np.testing.assert_allclose(camera, data["AsShotNeutral"], rtol=1e-9)
+    np.testing.assert_allclose(camera, source.white_e / source.white_e.max(), rtol=1e-9)
+
+
+def test_four_channels_do_not_fit_a_three_by_three_format():
+    with refused_input(value=("R", "G", "B", "W")):
+        matrix_clf(made("onyx-rgbw"))
