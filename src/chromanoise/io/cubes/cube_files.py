@@ -1,4 +1,4 @@
-"""Read hyperspectral cubes: the formats of `FORMATS`, NumPy's files, and a folder of PNG files.
+"""Read hyperspectral cubes: the formats of `FORMATS`, here NumPy's files, ENVI and folders of PNG.
 
 Pickled data in NumPy's files are never loaded. A folder has one PNG per band, as in the CAVE
 database.
@@ -10,6 +10,7 @@ import re
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -17,7 +18,6 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Shaped, dataclass, reason, regular_file
 from chromanoise.io.cubes.cube_metadata import interpreted
-from chromanoise.io.cubes.envi_cube import envi_cube
 from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS, hdf5_store, is_hdf5
 from chromanoise.io.cubes.labeled import Store, array_store, labeled_cube
 from chromanoise.io.cubes.raw_cube import (
@@ -30,7 +30,15 @@ from chromanoise.io.cubes.raw_cube import (
 )
 from chromanoise.io.cubes.tiff import ENDINGS as TIFF_ENDINGS, tiff_cube
 from chromanoise.io.cubes.zarr_store import is_zarr, zarr_store
-from chromanoise.io.envi_layout import DATA_SUFFIXES, envi_pair
+from chromanoise.io.envi_layout import (
+    DATA_SUFFIXES,
+    envi_pair,
+    envi_pixels,
+    envi_scale,
+    envi_wavelengths,
+    has_envi_wavelengths,
+    read_envi_header,
+)
 from chromanoise.io.matlab import mat_array, mat_arrays
 from chromanoise.io.source_files import has, refused
 from chromanoise.spectra import Cube
@@ -128,6 +136,38 @@ def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, path: Path, wher
         remedy = "save it again, because it is truncated or damaged"
         raise has(path, need, size, "holds", where=where, remedy=remedy)
     return shape, dtype
+
+
+def envi_cube(path: Path, shape: tuple[int, int] | None) -> Found | None:
+    """A cube from its header or its data; ``None`` where no header is beside.
+
+    Parameters
+    ----------
+    shape
+        Height and width that it must have; ``None`` for any. [pixels]
+
+    Raises
+    ------
+    InputError
+        If the header or the numbers are damaged.
+    """
+    try:
+        pair = envi_pair(path)
+        if pair is None:
+            return None
+        header = read_envi_header(pair[0])
+        pixels, notes = envi_pixels(header, pair[1])
+    except OSError as error:
+        raise refused(path, f"cannot be read ({reason(error)})") from None
+    refuse_other_shape(path, pixels, shape)
+    return Found(
+        pixels=pixels,
+        wavelengths=partial(envi_wavelengths, header) if has_envi_wavelengths(header) else None,
+        scale=partial(envi_scale, header),
+        description=header.fields.get("description", ""),
+        units=" ".join(header.fields.get(name, "") for name in ("data units", "units")),
+        notes=notes,
+    )
 
 
 _LAST_NUMBER = re.compile(r"(\d{1,6})(?=\D*$)")
