@@ -208,6 +208,8 @@ def test_an_option_never_overrides_a_plausible_heading(file):
     ):
         read_curves(path, answers=Answers(wavelength_unit="angstrom"))
     path.write_text("wavelength_nm,QE\n0.4,.1\n1.05,.2\n")  # the heading does not fit
+    with refused_input(subject="wavelength_unit", value="angstrom"):  # nor does this unit
+        read_curves(path, answers=Answers(wavelength_unit="angstrom"))
     result = read_curves(path, answers=Answers(wavelength_unit="um"))
     assert result.curves.wavelength_nm.tolist() == [400.0, 1050.0]
 
@@ -347,9 +349,3 @@ def test_percent_of_one_column_is_not_that_of_another(file):
         read_curves(path)
     path.write_text("wavelength_nm,QE R (0-100 lx)\n400,0.5\n1050,0.5\n")
     assert read_curves(path).curves.values.ravel().tolist() == [0.5, 0.5]
-
-
-def test_where_the_numbers_contradict_a_heading_only_the_unit_that_fits_is_an_answer(file):
-    path = file("wavelength_nm,QE\n0.4,.1\n1.05,.2\n", "cam.csv")
-    with refused_input(subject="wavelength_unit", value="angstrom"):
-        read_curves(path, answers=Answers(wavelength_unit="angstrom"))
