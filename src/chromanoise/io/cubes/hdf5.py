@@ -333,7 +333,6 @@ def _source(path: Path, name: str, axes: Axes) -> RowSource:
         dataset = file[name]
         _refuse_incomplete(path, name, dataset)
         sizes, stored, chunk = tuple(map(int, dataset.shape)), _dtype(dataset), dataset.chunks
-        shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
         size, end = stored.itemsize, path.stat().st_size
         offset = dataset.id.get_offset() if chunk is None else None
         plain = offset is not None and _lies_as_numpy_has_it(dataset)
@@ -346,11 +345,11 @@ def _source(path: Path, name: str, axes: Axes) -> RowSource:
             path=path,
             kind="HDF5",
             opened=partial(nullcontext, array) if array else partial(_opened, path, name),
+            sizes=sizes,
             axes=axes,
-            shape=shape,
-            bands=range(shape[2]),
+            bands=range(sizes[axes[2]]),
             stored=stored,
-            chunk_rows=min(chunk[axes[0]], shape[0]) if chunk else 1,
+            chunk_rows=min(chunk[axes[0]], sizes[axes[0]]) if chunk else 1,
         )
 
 

@@ -410,10 +410,10 @@ class StoredRows:
     opened
         Opens the array for each block of rows. It can be pickled, so that another process can take
         the source.
+    sizes
+        Length of each axis of the array.
     axes
         The axes of the array that are rows, columns and bands.
-    shape
-        Numbers of rows, columns and bands.
     bands
         The selected stored bands, in order.
     stored
@@ -425,11 +425,17 @@ class StoredRows:
     path: Path
     kind: str
     opened: Callable[[], AbstractContextManager[Any]]
+    sizes: tuple[int, ...]
     axes: Axes
-    shape: tuple[int, int, int]
     bands: range
     stored: np.dtype
     chunk_rows: int
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Numbers of rows, columns and selected bands."""
+        row, column, _ = self.axes
+        return self.sizes[row], self.sizes[column], len(self.bands)
 
     @property
     def dtype(self) -> np.dtype:
@@ -455,8 +461,7 @@ class StoredRows:
 
     def with_bands(self, keep: slice) -> "StoredRows":
         """The same rows with a selection of bands; nothing is read."""
-        bands = self.bands[keep]
-        return replace(self, bands=bands, shape=(*self.shape[:2], len(bands)))
+        return replace(self, bands=self.bands[keep])
 
 
 def cube_from_xarray(

@@ -166,16 +166,15 @@ def _numbers(path: Path, name: str) -> Shaped[Array, "..."]:
 def _source(path: Path, arrays: Mapping[str, Labeled], name: str, axes: Axes) -> RowSource:
     array = _checked(path, name)
     sizes = arrays[name].shape
-    shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
     return StoredRows(
         path=path,
         kind="Zarr",
         opened=partial(_opened_for_rows, path, name),
+        sizes=sizes,
         axes=axes,
-        shape=shape,
-        bands=range(shape[2]),
+        bands=range(sizes[axes[2]]),
         stored=arrays[name].dtype,
-        chunk_rows=min(int((array.shards or array.chunks)[axes[0]]), shape[0]),
+        chunk_rows=min(int((array.shards or array.chunks)[axes[0]]), sizes[axes[0]]),
     )
 
 
