@@ -192,20 +192,19 @@ if TYPE_CHECKING:
         Ranked as Ranked,
         point_at_iso as point_at_iso,
     )
-    from chromanoise.study.maps import CrossoverLine, QuantityMap, best_of, by_matrix
+    from chromanoise.study.maps import (
+        BestCell as BestCell,
+        CrossoverLine,
+        QuantityMap,
+        best_cell_sentences,
+        best_cells,
+        best_of,
+    )
     from chromanoise.study.merits import (
         Merit as Merit,
         Merits as Merits,
         merits_of as merits_of,
         visual_merits,
-    )
-    from chromanoise.study.optima import (
-        BestCell as BestCell,
-        Optimum as Optimum,
-        best_cell_sentences,
-        best_cells,
-        optima,
-        optima_sentences,
     )
     from chromanoise.study.pixel_files import (
         converter_of as converter_of,
@@ -220,6 +219,7 @@ if TYPE_CHECKING:
         Crossover as Crossover,
         CrossoverBand as CrossoverBand,
         Incomparable as Incomparable,
+        Optimum as Optimum,
         Rank,
         band_sentence as band_sentence,
         crossover_bands as crossover_bands,
@@ -230,6 +230,8 @@ if TYPE_CHECKING:
         lead_sentences,
         leading_crossovers,
         leads,
+        optima,
+        optima_sentences,
     )
     from chromanoise.study.reading import (
         beside_file as beside_file,
@@ -342,6 +344,7 @@ if TYPE_CHECKING:
         Curve as Curve,
         Quantity as Quantity,
         Sweep as Sweep,
+        by_matrix,
         compared as compared,
         fullest_level_lux,
         swept_values as swept_values,

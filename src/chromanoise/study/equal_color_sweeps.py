@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from chromanoise.base import Array, Float, JsonKey, JsonKeys, check, dataclass, with_short_repr
+from chromanoise.base import Array, Float, JsonKey, JsonKeys, dataclass, with_short_repr
 from chromanoise.noise import OperatingPoint
 from chromanoise.spectra import Spectra
 from chromanoise.study.color_matrices import DEFAULT_PRIOR
@@ -93,9 +93,7 @@ def equal_color_ranges(
     InputError
         If the values do not increase, or one is outside of what the sweep can vary.
     """
-    at = check.increasing(f"values of {sweep.name}", sweep.unit, at)
-    for end in (at[0], at[-1]):
-        check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
+    at = sweep.checked(at)
     if not 1 < len(points) <= MOST_CHECKED:
         return ()
     some = np.unique(np.linspace(0, at.size - 1, min(_VALUES, at.size)).round().astype(int))

@@ -3,19 +3,31 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
+from typing import ClassVar
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Int, check, dataclass, with_short_repr
+from chromanoise.base import Array, Float, InputError, Int, JsonKeys, dataclass, with_short_repr
 from chromanoise.noise import OperatingPoint
 from chromanoise.study.color_matrices import MatrixFunction
 from chromanoise.study.ranking import (
     MOST_PAIRS_SENSORS,
+    BestValue,
     Crossover,
+    best_sentences,
     crossovers_or_reasons,
     leaders_of,
+    value_in_words,
 )
-from chromanoise.study.sweeps import SNR_Y, Curve, Quantity, Sweep, SweptQuantity, compared
+from chromanoise.study.sweeps import (
+    SNR_Y,
+    Curve,
+    Quantity,
+    Sweep,
+    SweptQuantity,
+    by_matrix,
+    compared,
+)
 
 
 @with_short_repr
@@ -96,9 +108,7 @@ def mapped(
             value=second.name,
             found=None,
         )
-    rows = check.increasing(f"values of {second.name}", second.unit, second_at)
-    for end in (rows[0], rows[-1]):
-        check.within(f"sweep of {second.name}", second.unit, end, second.lowest, second.highest)
+    rows = second.checked(second_at)
     found = [
         _row(contestants, makers, at, value, sweep, second, quantity, progress)
         for value in rows.tolist()
@@ -106,12 +116,8 @@ def mapped(
     curves = [row for row, _ in found]
     maps = tuple(
         QuantityMap(
-            sensor=one.sensor,
-            label=one.label,
-            matrix=one.matrix,
-            sweep=sweep,
+            **one.subject | {"sweep": sweep},
             second=second,
-            quantity=quantity,
             at=one.at,
             second_at=rows,
             value=np.array([row[i].value for row in curves]),
@@ -182,9 +188,49 @@ def best_of(maps: Sequence[QuantityMap]) -> Int[Array, "j k"]:
     return np.asarray(leaders_of(values, maps[0].quantity.more_is_better))
 
 
-def by_matrix(maps: Sequence[QuantityMap]) -> dict[str, list[QuantityMap]]:
-    """The maps of each matrix, by its name."""
-    found: dict[str, list[QuantityMap]] = {}
+@dataclass(frozen=True, kw_only=True)
+class BestCell(BestValue):
+    """The pair of values at which one sensor is best, with one matrix.
+
+    Attributes
+    ----------
+    second
+        The parameter that varies besides ``sweep``.
+    at, second_at
+        The values of the grid. [units of the sweeps]
+    """
+
+    KEYS: ClassVar[JsonKeys] = ("sensor", "label", "matrix", "at", "second_at", "value")
+
+    second: Sweep
+    at: float
+    second_at: float
+
+
+def best_cells(maps: Sequence[QuantityMap]) -> tuple[BestCell, ...]:
+    """For each sensor and matrix, its best pair of values; none without any result."""
+    found = []
     for one in maps:
-        found.setdefault(one.matrix, []).append(one)
-    return found
+        points = one.points
+        j, k = np.unravel_index(int(np.argmax(points)), points.shape)
+        if np.isfinite(points[j, k]):
+            cell = BestCell(
+                **one.subject,
+                second=one.second,
+                at=float(one.at[k]),
+                second_at=float(one.second_at[j]),
+                value=float(one.value[j, k]),
+            )
+            found.append(cell)
+    return tuple(found)
+
+
+def best_cell_sentences(found: Sequence[BestCell]) -> list[str]:
+    """Per matrix, at which pair of values each sensor is best, the best sensor first."""
+    return best_sentences(found, lambda one, _: _place_in_words(one))
+
+
+def _place_in_words(one: BestCell) -> tuple[str, str]:
+    at = one.sweep.with_unit(value_in_words(one.at))
+    second = one.second.with_unit(value_in_words(one.second_at))
+    return f"{at} of {one.sweep.what} and {second} of {one.second.what}", ""

@@ -1,13 +1,13 @@
-"""Ranks of sensors, and crossovers where two are equally good.
+"""Ranks of sensors, crossovers where two are equally good, and where each is best.
 
 A crossover over spectral priors shows how the sensor that wins depends on what a trained matrix
-expects. Over a sweep, the best sensor of each range is listed.
+expects. Over a sweep, the best sensor of each range and the best value of each sensor are listed.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, pairwise, starmap
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from chromanoise.base import (
     Array,
     Float,
     InputError,
+    Int,
     JsonKey,
     JsonKeys,
     dataclass,
@@ -28,8 +29,10 @@ from chromanoise.study.sweeps import (
     SNR_Y,
     SWEEPS,
     Curve,
+    OfSensor,
     Quantity,
     Sweep,
+    by_matrix,
     color_error,
     compared,
 )
@@ -37,6 +40,8 @@ from chromanoise.study.sweeps import (
 TIE = 1e-9
 """Values that differ by at most this are equal. [unit of the quantity]"""
 _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
+_OPTIMUM_TOLERANCE = 1e-6  # likewise
+_MOST_NAMED = 3  # sensors that a sentence on the best values names
 
 
 @with_short_repr
@@ -168,15 +173,10 @@ def _pairs(
     curves: Sequence[Curve],
     places: Mapping[str, Sequence[tuple[int, int]]] | None = None,
 ) -> Iterator[tuple[MatrixFunction, _Side, _Side]]:
-    for name, maker in makers.items():
-        mine = _of_matrix(curves, name)
-        sides = list(zip(contestants, mine, strict=True))
+    for name, mine in by_matrix(curves).items():
+        maker, sides = makers[name], list(zip(contestants, mine, strict=True))
         for one, other in _places(mine) if places is None else places[name]:
             yield maker, sides[one], sides[other]
-
-
-def _of_matrix(curves: Sequence[Curve], name: str) -> list[Curve]:
-    return [curve for curve in curves if curve.matrix == name]
 
 
 def _best(curves: Sequence[Curve]) -> list[int]:
@@ -200,22 +200,21 @@ def _value_at(
 def _crossover(maker: MatrixFunction, one: _Side, other: _Side) -> Crossover:
     (a, first), (b, second) = one, other
     sweep, quantity = first.sweep, first.quantity
-    sign = 1.0 if quantity.more_is_better else -1.0
-    lead = sign * (first.value - second.value)
+    lead = quantity.sign * (first.value - second.value)
     known = np.flatnonzero(np.isfinite(lead))
     if not known.size:
         _refuse_nothing_common(first, second)
 
     def lead_at(value: float) -> float:
         ours, theirs = (_value_at(c, maker, sweep, quantity.of, value) for c in (a, b))
-        return sign * (ours - theirs)
+        return quantity.sign * (ours - theirs)
 
     changes = [
         (float(first.at[i]), float(first.at[k]))
         for i, k in pairwise(known[np.abs(lead[known]) > TIE])  # a tie has no side
         if lead[i] * lead[k] < 0 and np.isfinite(lead[i : k + 1]).all()
     ]
-    at = tuple(_root(lead_at, low, high, sweep.logarithmic) for low, high in changes)
+    at = tuple(_solved(lead_at, ends, sweep, _CROSSING_TOLERANCE) for ends in changes)
     errors = (tuple(_value_at(c, maker, sweep, color_error, value) for c in (a, b)) for value in at)
     return Crossover(
         first=first.sensor,
@@ -250,16 +249,19 @@ def _refuse_nothing_common(first: Curve, second: Curve) -> None:
     )
 
 
-def _root(function: Callable[[float], float], low: float, high: float, logarithmic: bool) -> float:
-    """Where the sign changes that differs at ``low`` and ``high``."""
-    from scipy.optimize.elementwise import find_root  # most comparisons have few crossovers
+def _solved(
+    function: Callable[[float], float], ends: tuple[float, ...], sweep: Sweep, tolerance: float
+) -> float:
+    """Where a function of a sweep changes its sign between two values, or is least among three."""
+    from scipy.optimize.elementwise import find_minimum, find_root  # most comparisons need neither
 
-    there, back = (np.log, np.exp) if logarithmic else (float, float)
-    ends = float(there(low)), float(there(high))
-    tolerance = _CROSSING_TOLERANCE * (1.0 if logarithmic else ends[1] - ends[0])
+    there, back = (np.log, np.exp) if sweep.logarithmic else (float, float)
+    scaled: Any = tuple(float(there(end)) for end in ends)
+    step = tolerance * (1.0 if sweep.logarithmic else scaled[-1] - scaled[0])
     values = np.vectorize(lambda x: function(float(back(x))), otypes=[float])
-    only = {"xatol": tolerance, "xrtol": 0, "fatol": 0, "frtol": 0}
-    return float(back(float(find_root(values, ends, tolerances=only).x)))
+    solver = find_root if len(ends) == 2 else find_minimum
+    found = solver(values, scaled, tolerances={"xatol": step, "xrtol": 0, "fatol": 0, "frtol": 0})
+    return float(back(float(found.x)))
 
 
 def crossover_sentence(crossover: Crossover) -> str:
@@ -370,7 +372,7 @@ def crossover_bands(
         curves = compared(contestants, makers, at, sweep=sweep, quantity=quantity)
         given.append((prior, makers, curves))
     places = {  # those of any prior
-        name: sorted({pair for *_, curves in given for pair in _places(_of_matrix(curves, name))})
+        name: sorted({pair for *_, curves in given for pair in _places(by_matrix(curves)[name])})
         for name in trained
     }
     found: dict[tuple[str, str, str], dict[str, Crossover]] = {}
@@ -448,26 +450,17 @@ class Rank:
 
 @with_short_repr
 @dataclass(frozen=True, kw_only=True)
-class Lead:
+class Lead(OfSensor):
     """A range of the sweep in which one sensor is the best of all, with one matrix.
 
     Attributes
     ----------
-    sensor, label, matrix
-        Name of the sensor, what tables call it, and name of the matrix.
-    sweep, quantity
-        The parameter that varies, and the quantity.
     first, last
         The ends of the range. [unit of the sweep]
     """
 
     KEYS: ClassVar[JsonKeys] = ("sensor", "label", "matrix", "first", "last")
 
-    sensor: str
-    label: str
-    matrix: str
-    sweep: Sweep
-    quantity: Quantity
     first: float
     last: float
 
@@ -555,12 +548,11 @@ def matrix_sentences(ranks: Sequence[Rank], quantity: Quantity) -> list[str]:
     quantity
         That of the ranks.
     """
-    sign = -1.0 if quantity.more_is_better else 1.0
     sentences = []
     for name in dict.fromkeys(one.sensor for one in ranks):
         own = [one for one in ranks if one.sensor == name]
         known = [one for one in own if one.value is not None]
-        known.sort(key=lambda one: sign * (one.value or 0.0))
+        known.sort(key=lambda one: -quantity.sign * (one.value or 0.0))
         if len(own) > 1 and known:
             text = ", ".join(f"{one.matrix} {number_text(one.value)}" for one in known)
             sentences.append(
@@ -584,12 +576,7 @@ def leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> tuple[Lead, 
     not seen. A range begins and ends at a crossover; where a leader has no value any longer, as it
     is saturated, at the last value of the sweep at which it has one.
     """
-    matrices = dict.fromkeys(curve.matrix for curve in curves)
-    return tuple(
-        lead
-        for name in matrices
-        for lead in _leads([curve for curve in curves if curve.matrix == name], crossed)
-    )
+    return tuple(lead for mine in by_matrix(curves).values() for lead in _leads(mine, crossed))
 
 
 def _leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> list[Lead]:
@@ -609,18 +596,7 @@ def _leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> list[Lead]:
                 ends[-1] = (*ends[-1][:2], change)
                 first = change
         ends.append((leader, first, at[i]))
-    return [
-        Lead(
-            sensor=curves[i].sensor,
-            label=curves[i].label,
-            matrix=curves[i].matrix,
-            sweep=curves[i].sweep,
-            quantity=curves[i].quantity,
-            first=first,
-            last=last,
-        )
-        for i, first, last in ends
-    ]
+    return [Lead(**curves[i].subject, first=first, last=last) for i, first, last in ends]
 
 
 def leaders_of(values: Any, more_is_better: bool) -> Any:
@@ -695,8 +671,7 @@ def lead_changes(leading: Sequence[Lead], crossed: Sequence[Crossover]) -> tuple
 def lead_sentences(leading: Sequence[Lead]) -> list[str]:
     """Per matrix, the best sensor over each range of the sweep."""
     sentences = []
-    for name in dict.fromkeys(one.matrix for one in leading):
-        mine = [one for one in leading if one.matrix == name]
+    for name, mine in by_matrix(leading).items():
         sweep, quantity = mine[0].sweep, mine[0].quantity
         better = "highest" if quantity.more_is_better else "lowest"
         ranges = [f"{one.label} {sweep.with_unit(_range_in_words(one))}" for one in mine]
@@ -710,3 +685,153 @@ def lead_sentences(leading: Sequence[Lead]) -> list[str]:
 def _range_in_words(lead: Lead) -> str:
     first, last = value_in_words(lead.first), value_in_words(lead.last)
     return f"at {first}" if first == last else f"from {first} to {last}"
+
+
+Place = Literal["inside", "first", "last", "saturation", "everywhere"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BestValue(OfSensor):
+    """The best value of one sensor with one matrix.
+
+    Attributes
+    ----------
+    value
+        The quantity there. [unit of the quantity]
+    """
+
+    value: float
+
+
+AnyBest = TypeVar("AnyBest", bound=BestValue)
+
+
+@with_short_repr
+@dataclass(frozen=True, kw_only=True)
+class Optimum(BestValue):
+    """The value of a sweep at which one sensor is best, with one matrix.
+
+    Attributes
+    ----------
+    at
+        The best value of the parameter; between two values of the sweep it is refined on the closed
+        form. [unit of the sweep]
+    low, high
+        The neighbors of the best value of the sweep: the optimum lies between them; at an end of
+        the range, that end. [unit of the sweep]
+    place
+        ``inside`` the range, its ``first`` or ``last`` value with a result, the last one before
+        ``saturation``, or ``everywhere`` where the quantity does not vary.
+    """
+
+    KEYS: ClassVar[JsonKeys] = (
+        *("sensor", "label", "matrix", "at", "value", "low", "high", "place"),
+        JsonKey("sentence", lambda one: optima_sentences([one])[0], text="The same in words."),
+    )
+
+    at: float
+    low: float
+    high: float
+    place: Place
+
+
+def optima(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    curves: Sequence[Curve],
+) -> tuple[Optimum, ...]:
+    """For each sensor and matrix, the best value of the sweep; none without any result.
+
+    Parameters
+    ----------
+    contestants, makers
+        As they were compared.
+    curves
+        One per matrix and sensor.
+    """
+    return tuple(
+        _optimum(contestant, makers[name], curve)
+        for name, mine in by_matrix(curves).items()
+        for contestant, curve in zip(contestants, mine, strict=True)
+        if np.isfinite(curve.value).any()
+    )
+
+
+def _optimum(contestant: OperatingPoint, maker: MatrixFunction, curve: Curve) -> Optimum:
+    sweep, quantity, points = curve.sweep, curve.quantity, curve.points
+    i, known = int(np.argmax(points)), np.flatnonzero(np.isfinite(points))
+    low, high = int(max(i - 1, known[0])), int(min(i + 1, known[-1]))
+    at, value, place = float(curve.at[i]), float(curve.value[i]), _place(curve, i, known)
+
+    def value_at(moved: float) -> float:
+        return _value_at(contestant, maker, sweep, quantity.of, moved)
+
+    if place == "inside" and not sweep.whole and np.isfinite(points[[low, high]]).all():
+        ends = (float(curve.at[low]), at, float(curve.at[high]))
+        at = _solved(lambda x: -quantity.sign * value_at(x), ends, sweep, _OPTIMUM_TOLERANCE)
+        value = value if at == curve.at[i] else value_at(at)
+    first, last = (low, high) if place == "inside" else (i, i)
+    return Optimum(
+        **curve.subject,
+        at=at,
+        value=value,
+        low=float(curve.at[first]),
+        high=float(curve.at[last]),
+        place=place,
+    )
+
+
+def _place(curve: Curve, i: int, known: Int[Array, " n"]) -> Place:
+    if known.size > 1 and np.ptp(curve.value[known]) <= TIE:
+        return "everywhere"
+    if i == known[-1]:
+        is_last = i + 1 < curve.at.size and bool(curve.saturated[i + 1])
+        return "saturation" if is_last else "last"
+    return "first" if i == known[0] else "inside"
+
+
+def optima_sentences(found: Sequence[Optimum]) -> list[str]:
+    """Per matrix, at which value of the sweep each sensor is best, the best sensor first."""
+    return best_sentences(found, _optimum_in_words)
+
+
+def _optimum_in_words(one: Optimum, is_first: bool) -> tuple[str, str]:
+    low, high = value_in_words(one.low, 4), value_in_words(one.high, 4)
+    where = {
+        "inside": f", between {low} and {high}",
+        "first": ", the lower end of the range",
+        "last": ", the upper end of the range",
+        "saturation": ", the last value before saturation",
+        "everywhere": "",
+    }[one.place]
+    at = one.sweep.with_unit(value_in_words(one.at))
+    at = f"{at} of {one.sweep.what}" if is_first else at
+    return f"every {one.sweep.what}" if one.place == "everywhere" else at, where
+
+
+def best_sentences(
+    found: Sequence[AnyBest], in_words: Callable[[AnyBest, bool], tuple[str, str]]
+) -> list[str]:
+    """Per matrix, where each sensor is best, the best sensor first.
+
+    Parameters
+    ----------
+    found
+        Best values of sensors, each with its place.
+    in_words
+        Gives the place of one of them and a remark on it; also takes whether it is the first.
+    """
+    sentences = []
+    for name, mine in by_matrix(found).items():
+        quantity = mine[0].quantity
+        ordered = sorted(mine, key=lambda one: -one.quantity.sign * one.value)
+        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+        texts = []
+        for one in ordered[:_MOST_NAMED]:
+            place, remark = in_words(one, one is ordered[0])
+            texts.append(f"at {place} for {one.label} ({number_text(one.value)}{unit}{remark})")
+        start = quantity.what if quantity.of_raw else f"with the {name} matrix, {quantity.what}"
+        best, more = "highest" if quantity.more_is_better else "lowest", len(mine) - _MOST_NAMED
+        rest = f"; the JSON has the other {more}" if more > 0 else ""
+        sentences.append(f"{start[0].upper()}{start[1:]} is {best} {', '.join(texts)}{rest}.")
+    return sentences

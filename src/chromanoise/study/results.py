@@ -83,26 +83,28 @@ from chromanoise.study.color_noise import (
     white_snr_db,
 )
 from chromanoise.study.equal_color_sweeps import EqualColorRange, range_sentences
-from chromanoise.study.maps import CrossoverLine, QuantityMap, best_of, by_matrix
-from chromanoise.study.merits import Merits, merits_of
-from chromanoise.study.optima import (
+from chromanoise.study.maps import (
     BestCell,
-    Optimum,
+    CrossoverLine,
+    QuantityMap,
     best_cell_sentences,
     best_cells,
-    optima_sentences,
+    best_of,
 )
+from chromanoise.study.merits import Merits, merits_of
 from chromanoise.study.ranking import (
     MOST_PAIRS_SENSORS,
     Crossover,
     CrossoverBand,
     Lead,
+    Optimum,
     Rank,
     crossover_sentence,
     lead_changes,
     lead_sentences,
     leading_crossovers,
     matrix_sentences,
+    optima_sentences,
     ranked,
 )
 from chromanoise.study.reading_quality import (
@@ -110,7 +112,7 @@ from chromanoise.study.reading_quality import (
     machine_reading,
 )
 from chromanoise.study.schema import OutputsPart, Study, pipeline_settings
-from chromanoise.study.sweeps import Curve
+from chromanoise.study.sweeps import Curve, by_matrix
 from chromanoise.study.trade_offs import MOST_CHECKED, Verdict
 
 if TYPE_CHECKING:

@@ -39,12 +39,12 @@ from chromanoise.study.color_matrices import MatrixMaker
 from chromanoise.study.color_noise import noise_weights, pareto_of
 from chromanoise.study.equal_color_sweeps import equal_color_ranges
 from chromanoise.study.maps import mapped
-from chromanoise.study.optima import optima
 from chromanoise.study.ranking import (
     CrossoverBand,
     crossover_bands,
     crossovers,
     leads,
+    optima,
     ranking,
 )
 from chromanoise.study.reading import file_word, refuse_shared_file_names

@@ -84,6 +84,11 @@ class Quantity:
     of_raw: bool = False
 
     @property
+    def sign(self) -> float:
+        """1 where the higher value is the better one, else -1: times it, more is better."""
+        return 1.0 if self.more_is_better else -1.0
+
+    @property
     def key(self) -> str:
         """The name with its unit, where that is one word, in the form of a key: ``snr_y_db``."""
         unit = f"_{self.unit.lower()}" if self.unit.isalpha() else ""
@@ -340,6 +345,34 @@ class Sweep:
         """
         return text if self.unit == "1" else f"{text} {self.unit}"
 
+    def checked(self, at: Float[Array, " k"]) -> Float[Array, " k"]:
+        """Values of the sweep that increase and are within its range.
+
+        Parameters
+        ----------
+        at
+            The values. [unit of the sweep]
+
+        Raises
+        ------
+        InputError
+            If they do not increase, or are out of the range.
+        """
+        values = check.increasing(f"values of {self.name}", self.unit, at)
+        self.demand_in_range(float(values[0]), float(values[-1]))
+        return values
+
+    def demand_in_range(self, *values: float) -> None:
+        """Refuse values that are out of the range.
+
+        Raises
+        ------
+        InputError
+            If one is.
+        """
+        for value in values:
+            check.within(f"sweep of {self.name}", self.unit, value, self.lowest, self.highest)
+
 
 _At = Callable[[OperatingPoint, float], OperatingPoint]
 SWEEPS: dict[str, Sweep] = {}
@@ -479,8 +512,7 @@ def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[
         If they do not increase, are out of the range of the sweep, or are fewer than 2 or more than
         100,000.
     """
-    for value in (first, last):
-        check.within(f"sweep of {sweep.name}", sweep.unit, value, sweep.lowest, sweep.highest)
+    sweep.demand_in_range(first, last)
     if not last > first:
         raise InputError(
             f"sweep of {sweep.name}",
@@ -502,17 +534,48 @@ def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SweptQuantity:
-    """A quantity of one sensor with one matrix over a sweep.
+class OfSensor:
+    """What a result over a sweep is of: one sensor with one matrix.
 
     Attributes
     ----------
     sensor, matrix
         Names of the sensor and of the matrix.
     label
-        Name of the sensor in tables and charts.
+        Name of the sensor in tables, charts and sentences.
     sweep, quantity
         The parameter that varies, and the quantity.
+    """
+
+    sensor: str
+    label: str
+    matrix: str
+    sweep: Sweep
+    quantity: Quantity
+
+    @property
+    def subject(self) -> dict[str, Any]:
+        """These fields by name, for another result of the same sensor and matrix."""
+        return {field.name: getattr(self, field.name) for field in fields(OfSensor)}
+
+
+AnyOfSensor = TypeVar("AnyOfSensor", bound=OfSensor)
+
+
+def by_matrix(found: Sequence[AnyOfSensor]) -> dict[str, list[AnyOfSensor]]:
+    """The results of each matrix, by its name."""
+    grouped: dict[str, list[AnyOfSensor]] = {}
+    for one in found:
+        grouped.setdefault(one.matrix, []).append(one)
+    return grouped
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SweptQuantity(OfSensor):
+    """A quantity of one sensor with one matrix over a sweep.
+
+    Attributes
+    ----------
     at
         Values of the parameter. [unit of the sweep]
     value
@@ -524,11 +587,6 @@ class SweptQuantity:
 
     KEYS: ClassVar[JsonKeys] = ("sensor", "label", "matrix", "value", "saturated")
 
-    sensor: str
-    label: str
-    matrix: str
-    sweep: Sweep
-    quantity: Quantity
     at: Float[Array, " k"]
     value: Float[Array, "*j k"]
     saturated: Bool[Array, "*j k"]
@@ -536,6 +594,11 @@ class SweptQuantity:
     def __post_init__(self) -> None:
         names = (field.name for field in fields(self))
         check.freeze(self, *(name for name in names if isinstance(getattr(self, name), np.ndarray)))
+
+    @property
+    def points(self) -> Float[Array, "*j k"]:
+        """The values, with another sign where less is better; -inf where one is not defined."""
+        return np.where(np.isfinite(self.value), self.quantity.sign * self.value, -np.inf)
 
 
 @with_short_repr
@@ -594,9 +657,7 @@ def compared(
     InputError
         If the values do not increase, or are out of the range of the sweep.
     """
-    values = check.increasing(f"values of {sweep.name}", sweep.unit, at)
-    for end in (values[0], values[-1]):
-        check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
+    values = sweep.checked(at)
     pairs = [(one, name, maker) for one in contestants for name, maker in makers.items()]
     found = [_over_levels(one, maker, values, sweep, quantity) for one, _, maker in pairs]
     progress(values.size * sum(curve is not None for curve in found))
