@@ -44,6 +44,11 @@ class QuantityMap(SweptQuantity):
     second: Sweep
     second_at: Float[Array, " j"]
 
+    @property
+    def over(self) -> str:
+        """What varies, in words."""
+        return f"{self.sweep.what} and {self.second.what}"
+
 
 @dataclass(frozen=True, kw_only=True)
 class CrossoverLine:

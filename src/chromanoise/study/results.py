@@ -112,7 +112,7 @@ from chromanoise.study.reading_quality import (
     machine_reading,
 )
 from chromanoise.study.schema import OutputsPart, Study, pipeline_settings
-from chromanoise.study.sweeps import Curve, by_matrix
+from chromanoise.study.sweeps import Curve, SweptQuantity, by_matrix
 from chromanoise.study.trade_offs import MOST_CHECKED, Verdict
 
 if TYPE_CHECKING:
@@ -169,45 +169,6 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
     )
 
 
-def pipeline_as_table(found: Mapping[str, PipelineNoise | None]) -> Table:
-    """Standard deviations of each patch at each ISO: one row per sensor, ISO and patch.
-
-    Raw channels (e-) are columns where all sensors have the same; encoded sRGB and Y'CbCr are in
-    1/255, CIELAB is that of the picture, relative to D65.
-
-    Parameters
-    ----------
-    found
-        Noise of the pipeline by sensor; ``None`` where it has no color.
-
-    Raises
-    ------
-    InputError
-        If no sensor has a pipeline.
-    """
-    able = {name: one for name, one in found.items() if one is not None}
-    if not able:
-        raise InputError(
-            "analyses", "must hold at least one with a pipeline for its table", value=tuple(found)
-        )
-    steps = next(iter(able.values())).steps
-    raw = steps[:1] if len({one.channels for one in able.values()}) == 1 else ()
-    columns = [
-        *((f"raw {name}", "e-", ".2f") for one in raw for name in one.measurement.names),
-        *((name, "1/255", ".2f") for one in steps[-3:-1] for name in one.measurement.names),
-        *((name, "", ".2f") for name in steps[-1].measurement.names),
-    ]
-    rows = [
-        (name, one.iso, patch, *values)
-        for name, noise in able.items()
-        for one in noise.iso
-        for patch, values in zip(noise.patches, _sds(one, bool(raw)), strict=True)
-    ]
-    heads = [("sensor", "", ""), ("ISO", "", ".4g"), ("patch", "", ""), *columns]
-    cells = [(*head, _entry(place)) for place, head in enumerate(heads)]
-    return table_of("Pipeline, standard deviations", rows, *cells)
-
-
 def _sds(one: GainStep, with_raw: bool) -> list[list[float]]:
     """The numbers of each patch, in the order of the columns."""
     steps = [(one.steps[0], 1.0)] if with_raw else []
@@ -217,34 +178,36 @@ def _sds(one: GainStep, with_raw: bool) -> list[list[float]]:
     return rows
 
 
-def matrices_as_table(matrices: Sequence[tuple[str, ColorMatrix, MatrixReport]]) -> Table:
+def matrices_as_table(results: "Sequence[MatrixResult]") -> Table:
     """Color matrices, one row per coordinate; error, condition and SNR are in the notes.
 
     Parameters
     ----------
-    matrices
-        Name of the sensor, its matrix and the report on it. Of several sensors there is a column
-        with the names; a channel that only other sensors have is an empty cell.
+    results
+        Of several sensors there is a column with the names; a channel that only other sensors have
+        is an empty cell.
     """
-    several = len(matrices) > 1
-    names = ", ".join(name for name, _, _ in matrices)
-    channels = dict.fromkeys(channel for _, matrix, _ in matrices for channel in matrix.channels)
+    several = len(results) > 1
+    names = ", ".join(one.point.sensor.label for one in results)
+    channels = dict.fromkeys(channel for one in results for channel in one.matrix.channels)
     rows = [
-        (name, coordinate, dict(zip(matrix.channels, weights, strict=True)))
-        for name, matrix, _ in matrices
-        for coordinate, weights in zip(matrix.coordinates, matrix.matrix.tolist(), strict=True)
+        (one.point.sensor.label, coordinate, dict(zip(one.matrix.channels, weights, strict=True)))
+        for one in results
+        for coordinate, weights in zip(
+            one.matrix.coordinates, one.matrix.matrix.tolist(), strict=True
+        )
     ]
     sensor = [("sensor", "", "", _entry(0))] if several else []
     return table_of(
-        f"Color matrix of {names}: {matrices[0][2].made_by}",
+        f"Color matrix of {names}: {results[0].report.made_by}",
         rows,
         *sensor,
         ("coordinate", "", "", _entry(1)),
         *((channel, "lx/e-", ".6g", _key(channel)) for channel in channels),
         notes=(
-            f"{name}: {note}" if several else note
-            for name, _, report in matrices
-            for note in _notes_of(report)
+            f"{one.point.sensor.label}: {note}" if several else note
+            for one in results
+            for note in _notes_of(one.report)
         ),
     )
 
@@ -274,39 +237,9 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
             (f"{who}: color error", "Delta E*ab", ".2f", one.color_error),
         ]
     return table_of(
-        f"{first.quantity.what} over {first.sweep.what}",
+        f"{first.quantity.what} over {first.over}",
         range(first.at.size),
         *((name, unit, digits, values.item) for name, unit, digits, values in columns),
-    )
-
-
-def maps_as_table(maps: Sequence[QuantityMap]) -> Table:
-    """A comparison over two parameters: one row per pair of values.
-
-    Columns are the two parameters, the quantity of each sensor and matrix, and the best sensor with
-    each matrix.
-    """
-    first = maps[0]
-
-    def leader(mine: Sequence[QuantityMap]) -> Callable[[tuple[int, int]], Entry]:
-        best = best_of(mine)
-        return lambda at: None if best[at] < 0 else mine[best[at]].label
-
-    return table_of(
-        f"{first.quantity.what} over {first.sweep.what} and {first.second.what}",
-        product(range(first.second_at.size), range(first.at.size)),
-        (first.second.what, first.second.unit, ".4g", lambda at: first.second_at[at[0]]),
-        (first.sweep.what, first.sweep.unit, ".4g", lambda at: first.at[at[1]]),
-        *(
-            (
-                f"{one.label}, {one.matrix}: {one.quantity.what}",
-                one.quantity.unit,
-                ".4g",
-                one.value.__getitem__,
-            )
-            for one in maps
-        ),
-        *((f"best, {name}", "", "", leader(mine)) for name, mine in by_matrix(maps).items()),
     )
 
 
@@ -632,12 +565,36 @@ class Analyses(Result):
     def pipeline_table(self) -> Table:
         """One row per sensor, ISO and patch: standard deviations after the camera's pipeline.
 
+        Raw channels (e-) are columns where all sensors have the same; encoded sRGB and Y'CbCr are
+        in 1/255, CIELAB is that of the picture, relative to D65.
+
         Raises
         ------
         InputError
             If the pipeline was not requested, or no sensor has a color.
         """
-        return pipeline_as_table({one.analysis.sensor.label: one.pipeline for one in self.outcomes})
+        found = {one.analysis.sensor.label: one.pipeline for one in self.outcomes}
+        able = {name: one for name, one in found.items() if one is not None}
+        if not able:
+            raise InputError(
+                "analyses", "must hold at least one with a pipeline for its table", value=(*found,)
+            )
+        raw, *_, encoded, luma, lab = next(iter(able.values())).steps
+        with_raw = len({one.channels for one in able.values()}) == 1
+        columns = [
+            *((f"raw {name}", "e-", ".2f") for name in raw.measurement.names if with_raw),
+            *((name, "1/255", ".2f") for one in (encoded, luma) for name in one.measurement.names),
+            *((name, "", ".2f") for name in lab.measurement.names),
+        ]
+        rows = [
+            (name, one.iso, patch, *values)
+            for name, noise in able.items()
+            for one in noise.iso
+            for patch, values in zip(noise.patches, _sds(one, with_raw), strict=True)
+        ]
+        heads = [("sensor", "", ""), ("ISO", "", ".4g"), ("patch", "", ""), *columns]
+        cells = [(*head, _entry(place)) for place, head in enumerate(heads)]
+        return table_of("Pipeline, standard deviations", rows, *cells)
 
     def plot(self, ax: Any = None, kind: str = "losses") -> Any:
         """Draw the SNR losses from all photons to Y of each sensor [dB], or another chart.
@@ -799,7 +756,7 @@ class MatrixResult(Result):
 
     def to_table(self) -> Table:
         """One row per coordinate."""
-        return matrices_as_table([(self.point.sensor.label, self.matrix, self.report)])
+        return matrices_as_table([self])
 
     def plot(self, ax: Any = None) -> Any:
         """Draw color error against noise if that curve was requested, else the matrix as bars."""
@@ -852,9 +809,7 @@ class Matrices(Result):
 
     def to_table(self) -> Table:
         """One row per coordinate; of several sensors, per sensor and coordinate."""
-        return matrices_as_table(
-            [(one.point.sensor.label, one.matrix, one.report) for one in self.results]
-        )
+        return matrices_as_table(self.results)
 
     def plot(self, ax: Any = None) -> Any:
         """Draw color error against noise if that curve was requested, else the matrix as bars."""
@@ -868,6 +823,11 @@ class Matrices(Result):
 
     def _repr_html_(self) -> str:
         return self._html(f"{self.method} at {conditions([one.point for one in self.results])}")
+
+
+def _subject(swept: Sequence[SweptQuantity]) -> str:
+    names = ", ".join(dict.fromkeys(one.label for one in swept))
+    return f"{swept[0].quantity.what} of {names} over {swept[0].over}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -915,6 +875,10 @@ class Comparison(Result):
     equal: str
     prior: str
 
+    @property
+    def _many(self) -> bool:
+        return len(self.points) > MOST_PAIRS_SENSORS
+
     def to_table(self) -> Table:
         """One row per value of the sweep, two columns per sensor and matrix."""
         return curves_as_table(self.curves)
@@ -922,14 +886,12 @@ class Comparison(Result):
     @property
     def shown_crossovers(self) -> tuple[Crossover, ...]:
         """Of up to three sensors, all crossovers; of more, those at which the leader changes."""
-        if len(self.points) <= MOST_PAIRS_SENSORS:
-            return self.crossovers
-        return leading_crossovers(self.leads, self.crossovers)
+        return leading_crossovers(self.leads, self.crossovers) if self._many else self.crossovers
 
     @property
     def shown_bands(self) -> tuple[CrossoverBand, ...]:
         """The bands of the pairs of `shown_crossovers`; of up to three sensors, all."""
-        if len(self.points) <= MOST_PAIRS_SENSORS:
+        if not self._many:
             return self.bands
         pairs = {(one.first, one.second, one.matrix) for one in self.shown_crossovers}
         return tuple(one for one in self.bands if (one.first, one.second, one.matrix) in pairs)
@@ -940,9 +902,10 @@ class Comparison(Result):
 
         Of up to three sensors, the matrices of each if several; of more, the leaders.
         """
-        many = len(self.points) > MOST_PAIRS_SENSORS
-        first = lead_sentences(self.leads) if many else []
-        first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
+        if self._many:
+            first = lead_sentences(self.leads)
+        else:
+            first = matrix_sentences(self.ranking, self.curves[0].quantity)
         best = optima_sentences(self.optima)
         crossed = [crossover_sentence(one) for one in self.shown_crossovers]
         left_out = []
@@ -954,18 +917,12 @@ class Comparison(Result):
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""
         title = f"{self.curves[0].quantity.what}, from {conditions(self.points)}"
-        many = len(self.points) > MOST_PAIRS_SENSORS
-        crossed = lead_changes(self.leads, self.crossovers) if many else self.crossovers
+        crossed = lead_changes(self.leads, self.crossovers) if self._many else self.crossovers
         return figures().draw_comparison(self.curves, axes_of(ax), crossovers=crossed, title=title)
 
     def __repr__(self) -> str:
         """The quantity, the parameter and the operating point."""
-        first = self.curves[0]
-        names = ", ".join(dict.fromkeys(curve.label for curve in self.curves))
-        return (
-            f"<Comparison: {first.quantity.what} of {names} over {first.sweep.what}, from "
-            f"{conditions(self.points)}>"
-        )
+        return f"<Comparison: {_subject(self.curves)}, from {conditions(self.points)}>"
 
     def _repr_html_(self) -> str:
         return self._html(f"From {conditions(self.points)}", self.shown_sentences)
@@ -1028,7 +985,31 @@ class ComparisonMap(Result):
 
     def to_table(self) -> Table:
         """One row per pair of values; a column per sensor and matrix, and the best per matrix."""
-        return maps_as_table(self.maps)
+        first = self.maps[0]
+
+        def leader(mine: Sequence[QuantityMap]) -> Callable[[tuple[int, int]], Entry]:
+            best = best_of(mine)
+            return lambda at: None if best[at] < 0 else mine[best[at]].label
+
+        return table_of(
+            f"{first.quantity.what} over {first.over}",
+            product(range(first.second_at.size), range(first.at.size)),
+            (first.second.what, first.second.unit, ".4g", lambda at: first.second_at[at[0]]),
+            (first.sweep.what, first.sweep.unit, ".4g", lambda at: first.at[at[1]]),
+            *(
+                (
+                    f"{one.label}, {one.matrix}: {one.quantity.what}",
+                    one.quantity.unit,
+                    ".4g",
+                    one.value.__getitem__,
+                )
+                for one in self.maps
+            ),
+            *(
+                (f"best, {name}", "", "", leader(mine))
+                for name, mine in by_matrix(self.maps).items()
+            ),
+        )
 
     def plot(self, ax: Any = None) -> Any:
         """Draw a heat map with the first matrix.
@@ -1041,12 +1022,7 @@ class ComparisonMap(Result):
 
     def __repr__(self) -> str:
         """The quantity, the parameters and the operating point."""
-        first = self.maps[0]
-        names = ", ".join(dict.fromkeys(one.label for one in self.maps))
-        return (
-            f"<ComparisonMap: {first.quantity.what} of {names} over {first.sweep.what} and "
-            f"{first.second.what}, from {conditions(self.points)}>"
-        )
+        return f"<ComparisonMap: {_subject(self.maps)}, from {conditions(self.points)}>"
 
     def _repr_html_(self) -> str:
         return self._html(f"From {conditions(self.points)}", self.shown_sentences)

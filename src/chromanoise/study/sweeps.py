@@ -596,6 +596,11 @@ class SweptQuantity(OfSensor):
         check.freeze(self, *(name for name in names if isinstance(getattr(self, name), np.ndarray)))
 
     @property
+    def over(self) -> str:
+        """What varies, in words."""
+        return self.sweep.what
+
+    @property
     def points(self) -> Float[Array, "*j k"]:
         """The values, with another sign where less is better; -inf where one is not defined."""
         return np.where(np.isfinite(self.value), self.quantity.sign * self.value, -np.inf)
