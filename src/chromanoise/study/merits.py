@@ -132,11 +132,6 @@ def merit_or_reason(
     return Merit(name=name, what=what, unit=unit, value=value, source=source, missing=missing)
 
 
-def white_electrons(analysis: Analysis) -> Float[Array, " p"]:
-    """Expected electrons of a perfect white in the light of the analysis, unclipped. [e-]"""
-    return electrons_at(analysis.point)
-
-
 def white_color(analysis: Analysis) -> Float[Array, " 3"]:
     """X, Y and Z that the matrix makes of a perfect white's electrons (eq. 6). [lx]
 
@@ -167,7 +162,7 @@ def refuse_full(analysis: Analysis) -> None:
     InputError
         If it does, with the names of the channels.
     """
-    full = saturated(white_electrons(analysis), analysis.sensor, analysis.exposure)
+    full = saturated(electrons_at(analysis.point), analysis.sensor, analysis.exposure)
     held = [name for name, is_full in zip(analysis.sensor.names, full, strict=True) if is_full]
     if held:
         raise InputError(
@@ -394,7 +389,7 @@ def _adapts(operating_point: OperatingPoint, maker: MatrixFunction) -> bool:
 
 def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
     """From black to the white of this exposure, or to the white level if that is lower."""
-    sensor, exposure, white_e = analysis.sensor, analysis.exposure, white_electrons(analysis)
+    sensor, exposure, white_e = analysis.sensor, analysis.exposure, electrons_at(analysis.point)
     top_e = np.clip(white_e, 0.0, max(signal_limit_e(sensor, exposure), 0.0))
     dark = with_noise(np.zeros_like(white_e), sensor, exposure, kind="temporal", linear=True)
     dark_noise_e, shot = np.sqrt(dark.variance), _shot_noise_per_electron(sensor, white_e)
@@ -478,7 +473,7 @@ def _pixel_noise(analysis: Analysis, viewing: Viewing) -> float:
     refuse_full(analysis)
     white_color(analysis)
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix.matrix
-    return float(noise_as_viewed(white_electrons(analysis), sensor, exposure, matrix, viewing))
+    return float(noise_as_viewed(electrons_at(analysis.point), sensor, exposure, matrix, viewing))
 
 
 def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
@@ -489,7 +484,7 @@ def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
     to_xyz = analysis.matrix.matrix / white_color(analysis)[:, None]
     to_luv = LUV.jacobian(np.full(3, GRAY), np.ones(3))
     bank, spectrum = bilinear_filters(sensor.mosaic, sensor.names), _plane_spectrum
-    gray_e = GRAY * white_electrons(analysis)
+    gray_e = GRAY * electrons_at(analysis.point)
     raw = flat_field_noise(spectrum, bank, gray_e, sensor, analysis.exposure)
     return visual_noise_from_spectrum(
         to_xyz @ raw @ to_xyz.T,

@@ -40,7 +40,6 @@ from chromanoise.noise import (
     OperatingPoint,
     coarsely_converted,
     saturated,
-    signal_limit_e,
     with_noise,
 )
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
@@ -54,6 +53,7 @@ from chromanoise.study.color_noise import (
     noise_as_viewed,
     noise_beyond_first_order,
 )
+from chromanoise.study.sweeps import fullest_level_lux
 
 MOST_CHECKED = 20
 """Sensors, of least noise, whose order is checked by other conventions, lights and color errors."""
@@ -402,13 +402,13 @@ class EqualColor:
     """
 
     trade_offs: tuple[TradeOff, ...]
-    standings: tuple[Standing, ...]
-    at_color_error: float | None
-    margin_db: float | None
-    tie_db: float | None
-    turns: tuple[Turn, ...]
+    standings: tuple[Standing, ...] = ()
+    at_color_error: float | None = None
+    margin_db: float | None = None
+    tie_db: float | None = None
+    turns: tuple[Turn, ...] = ()
     levels_lux: tuple[float, float]
-    errors: tuple[float, float] | None
+    errors: tuple[float, float] | None = None
     colorless_error: float
     left_out: tuple[LeftOut, ...]
 
@@ -557,7 +557,10 @@ def _trade_off(point: OperatingPoint, prior: str | Spectra, viewing: Viewing) ->
     (found,) = _along_light(point, (point.level_lux,), prior, viewing, _PER_DECADE)
     if isinstance(found, TradeOff) and _tells_colors(found):
         return found
-    why = found if isinstance(found, str) else FEW_CHANNELS
+    return _left_out(point, found if isinstance(found, str) else FEW_CHANNELS)
+
+
+def _left_out(point: OperatingPoint, why: str) -> LeftOut:
     return LeftOut(name=point.sensor.name, sensor=point.sensor.label, why=why)
 
 
@@ -748,17 +751,11 @@ def equal_color(
     if len(trades) < 2:
         return EqualColor(
             trade_offs=trades,
-            standings=(),
-            at_color_error=None,
-            margin_db=None,
-            tie_db=None,
-            turns=(),
             levels_lux=(level, level),
-            errors=None,
             colorless_error=colorless,
             left_out=left_out,
         )
-    least = max(one.least_color_error for one in trades)
+    least = _common_error(trades)
     most = min(float(one.color_error.max()) for one in trades)
     noise = _noises(trades, least)
     order = np.argsort(noise, kind="stable")
@@ -779,21 +776,16 @@ def equal_color(
         by_light = _by_light(nearest, prior)
         lit = sorted(by_light)
         levels, same = [by_light[one] for one in lit], [nearest] * _ERRORS
+        common = [_common_error(one) for one in levels]
         found_turns = [
-            *_turns("light [lx]", lit, levels, None, first, changes_db, colorless),
+            *_turns("light [lx]", lit, levels, common, first, changes_db, colorless),
             *_turns("color error [Delta E*ab]", errors, same, errors, first, changes_db, colorless),
         ]
-    snr_db = [_gray_snr_db(one, least) for one in trades]
+    snr_db = np.array([_gray_snr_db(one, least) for one in trades])
+    lost_db = behind_db + (snr_db - snr_db[order[0]])
+    numbers = np.stack([behind_db, snr_db, lost_db], axis=-1).tolist()
     every = [
-        _standing(
-            trade,
-            least,
-            colorless,
-            behind_db=float(behind_db[k]),
-            gray_snr_db=snr_db[k],
-            lost_in_matrix_db=float(behind_db[k]) + (snr_db[k] - snr_db[order[0]]),
-        )
-        for k, trade in enumerate(trades)
+        _standing(trade, least, colorless, *own) for trade, own in zip(trades, numbers, strict=True)
     ]
     return EqualColor(
         trade_offs=trades,
@@ -819,9 +811,8 @@ def _of_a_common_error(
         if worst.least_color_error <= min(float(one.color_error.max()) for one in kept):
             break
         kept.remove(worst)
-        sensor = worst.point.sensor
         why = f"its least color error, {worst.least_color_error:.1f} ΔE*ab, is above all of another"
-        beyond.append(LeftOut(name=sensor.name, sensor=sensor.label, why=why))
+        beyond.append(_left_out(worst.point, why))
     return tuple(kept), tuple(beyond)
 
 
@@ -847,7 +838,6 @@ def _standing(
     trade: TradeOff,
     least: float,
     colorless: float,
-    *,
     behind_db: float,
     gray_snr_db: float,
     lost_in_matrix_db: float,
@@ -896,8 +886,9 @@ def _reached(trade: TradeOff, color_error: float) -> float:
     return place
 
 
-def _noises_at_least_error(trades: Sequence[TradeOff]) -> Float[Array, " s"]:
-    return _noises(trades, max(one.least_color_error for one in trades))
+def _common_error(trades: Sequence[TradeOff]) -> float:
+    """The least color error that all reach. [Delta E*ab]"""
+    return max(one.least_color_error for one in trades)
 
 
 def _again_db(
@@ -915,7 +906,8 @@ def _again_db(
         two if isinstance(two, TradeOff) else one for one, two in zip(trades, again, strict=True)
     ]
     more = _noises(trades, min(least + HARDLY_SEEN_DELTA_E, most))
-    noise = np.stack([_noises_at_least_error(able), more, *_noises_beyond(trades, least)])
+    again_noise = _noises(able, _common_error(able))
+    noise = np.stack([again_noise, more, *_noises_beyond(trades, least)])
     return decibel(noise / noise[:, [first]])
 
 
@@ -943,7 +935,8 @@ def _tells_colors(trade: TradeOff) -> bool:
 def _by_light(trades: Sequence[TradeOff], prior: str | Spectra) -> dict[float, Sequence[TradeOff]]:
     """The trade-offs at each level at which no sensor is saturated."""
     points = [replace(one.point, level_lux=_ANY_LUX, pairs=None) for one in trades]
-    fullest = min(_fullest_lux(one) for one in points)
+    full_at = (fullest_level_lux(one) for one in points)
+    fullest = min(_LEVELS_LUX[-1], *(one for one in full_at if one is not None))
     levels = tuple(sorted({*(one for one in _LEVELS_LUX if one <= fullest), fullest}))
     along = [
         _lit(tuple(getattr(one, each.name) for each in fields(one)), levels, prior, trade.viewing)
@@ -966,18 +959,11 @@ def _lit(
     return _along_light(dark, levels_lux, prior, viewing, _COARSE)
 
 
-def _fullest_lux(point: OperatingPoint) -> float:
-    """The highest of the levels at which the white saturates no channel."""
-    limit_e = signal_limit_e(point.sensor, point.exposure)
-    most = point.level_lux * float(limit_e / electrons_at(point).max())
-    return min(most, _LEVELS_LUX[-1])
-
-
 def _turns(
     over: Literal["light [lx]", "color error [Delta E*ab]"],
     at: Sequence[float] | Float[Array, " l"],
     trades: Sequence[Sequence[TradeOff]],
-    errors: Float[Array, " l"] | None,
+    errors: Sequence[float] | Float[Array, " l"],
     first: int,
     tie_db: Float[Array, " s"],
     colorless: float,
@@ -985,11 +971,9 @@ def _turns(
     """Ranges in which another sensor has less noise than the first one, by more than its tie.
 
     It has less beyond first order and by S-CIELAB, too, and color is not lost in the noise of all.
-    Without ``errors``, sensors are compared at the least color error that all reach.
+    Sensors are compared at these color errors.
     """
-    at_error = [max(one.least_color_error for one in there) for there in trades]
-    at_error = at_error if errors is None else list(errors)
-    noise = np.stack([_noises(there, one) for there, one in zip(trades, at_error, strict=True)])
+    noise = np.stack([_noises(there, one) for there, one in zip(trades, errors, strict=True)])
     scale, back = (np.log, math.exp) if over == "light [lx]" else (np.asarray, float)
     where, level_db = scale(np.asarray(at)), decibel(noise)
     best = level_db.argmin(axis=1)
@@ -998,7 +982,7 @@ def _turns(
         leader = int(best[k])
         if leader == first:
             return first
-        beyond = _noises_beyond([trades[k][first], trades[k][leader]], at_error[k])
+        beyond = _noises_beyond([trades[k][first], trades[k][leader]], errors[k])
         if all(one.least_total_error()[0] >= colorless for one in trades[k]):
             return None
         return leader if (beyond[:, 1] < beyond[:, 0]).all() else None
