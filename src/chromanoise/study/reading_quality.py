@@ -6,9 +6,10 @@ The results also show the light at which contrast detection is reliable, and whe
 information about spectra.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
-from functools import cache
+from functools import cache, partial
 from typing import ClassVar, Literal, get_args
 
 import numpy as np
@@ -132,7 +133,7 @@ def contrast_detection_of(analysis: Analysis) -> ContrastDetection | None:
 def best_channel_probability(point: OperatingPoint, matrix: ColorMatrix) -> float:
     """Contrast detection of the best raw channel; NaN where a gray saturates."""
     if saturated(_grays(point)[0], point.sensor, point.exposure).any():
-        return float("nan")
+        return math.nan
     return float(_channel_probabilities(point, 1.0).max())
 
 
@@ -164,15 +165,13 @@ def _channel_probabilities(point: OperatingPoint, times: float) -> Float[Array, 
 
 
 def _of_luminance(analysis: Analysis) -> float:
-    gray = np.full((analysis.point.illuminant.grid.n,), 1.0)
-    reflectance = np.multiply.outer(np.array([BRIGHT, DARK]), gray)
+    reflectance = np.multiply.outer([BRIGHT, DARK], np.ones(analysis.point.illuminant.grid.n))
     color = stages_at(analysis.point, analysis.matrix, reflectance=reflectance).color
     at = color.names.index("Y")
     mean, sd = color.mean[:, [at]], np.sqrt(color.variance[:, [at]])
-    if not (_grays(analysis.point) >= _MANY_E).all():
-        return float("nan")
-    if not (mean > 0).all() or not (sd > 0).all():
-        return float("nan")
+    many = (_grays(analysis.point) >= _MANY_E).all()
+    if not (many and (mean > 0).all() and (sd > 0).all()):
+        return math.nan
     found = contrast_detection_probability(
         mean[0], mean[1], bright_sd=sd[0], dark_sd=sd[1], tolerance=TOLERANCE
     )
@@ -184,14 +183,14 @@ def _least_level(point: OperatingPoint) -> float:
     most_e = float(_grays(point)[0].max())
     limit_e = signal_limit_e(point.sensor, point.exposure)
     if not 0 < most_e < np.inf or limit_e <= _LEAST_E:
-        return float("nan")
+        return math.nan
 
     def reached(times: float) -> bool:
         return bool(_channel_probabilities(point, times).max() >= TARGET)
 
     steps = np.geomspace(_LEAST_E / most_e, limit_e / most_e, _LEVELS)
     if not reached(steps[-1]):
-        return float("nan")
+        return math.nan
     at = _LEVELS - 1
     while at > 0 and reached(steps[at - 1]):
         at -= 1
@@ -397,7 +396,7 @@ def information_chains(analysis: Analysis) -> tuple[InformationChain, ...]:
     analysis
         With sensor, exposure, light and matrix.
     """
-    crosstalk, white_e = analysis.sensor.crosstalk, electrons_at(analysis.point)
+    white_e = electrons_at(analysis.point)
     if saturated(white_e, analysis.sensor, analysis.exposure).any():
         return ()
     return tuple(
@@ -405,7 +404,7 @@ def information_chains(analysis: Analysis) -> tuple[InformationChain, ...]:
             analysis.point,
             analysis.matrix,
             information_about=about,
-            clipped=crosstalk is None or crosstalk.stage != "charge",
+            clipped=after_counting(analysis.sensor.crosstalk) is None,
         )
         for about in get_args(About)
     )
@@ -504,33 +503,28 @@ NEAR_CHANCE = 0.6
 """Below this probability of the right answer a reader decides nearly by chance, which is 0.5."""
 
 
-def _median_keys(reading: str) -> JsonKeys:
-    return (
-        JsonKey(
-            f"median_{reading}",
-            lambda one: one.median_distance(reading),
-            text="Distance D_M of the median pair. [1]",
-        ),
-        JsonKey(
-            f"median_{reading}_probability",
-            lambda one: one.median_probability(reading),
-            text="Share of right answers for the median pair. [1]",
-        ),
-    )
+_OF_PAIRS = (
+    ("distance", "", "Distance D_M of"),
+    ("probability", "_probability", "Share of right answers for"),
+)
 
 
-def _worst_keys(reading: str) -> JsonKeys:
-    return (
+def _pair_keys(
+    start: str, pair: str, of: "Callable[[Separation, Array], float]"
+) -> tuple[JsonKey, ...]:
+    """Distance and probability of a pair for each reading; ``of`` takes it from those of all."""
+
+    def value(one: "Separation", field: str, reading: str) -> float:
+        return of(one, getattr(one, field)[reading])
+
+    return tuple(
         JsonKey(
-            reading,
-            lambda one: one.distance[reading][one.worst],
-            text="Distance D_M of the pair. [1]",
-        ),
-        JsonKey(
-            f"{reading}_probability",
-            lambda one: one.probability[reading][one.worst],
-            text="Share of right answers for the pair. [1]",
-        ),
+            f"{start}{reading}{end}",
+            partial(value, field=field, reading=reading),
+            text=f"{what} {pair}. [1]",
+        )
+        for reading in READINGS
+        for field, end, what in _OF_PAIRS
     )
 
 
@@ -558,13 +552,13 @@ class Separation:
     KEYS: ClassVar[JsonKeys] = (
         JsonKey("of", "title"),
         JsonKey("pairs", lambda one: len(one.pairs.indices), text="Number of pairs."),
-        *(key for name in READINGS for key in _median_keys(name)),
+        *_pair_keys("median_", "the median pair", lambda _, of_all: float(np.median(of_all))),
         JsonKey(
             "worst_pair",
             ".",
             keys=(
                 JsonKey("names", lambda one: one.pairs.names[one.worst], text="Its two patches."),
-                *(key for name in READINGS for key in _worst_keys(name)),
+                *_pair_keys("", "the pair", lambda one, of_all: of_all[one.worst]),
             ),
         ),
     )
@@ -607,11 +601,10 @@ def separation_of(analysis: Analysis) -> Separation | None:
         If the reflectances do not cover the grid.
     """
     point, pairs = analysis.point, pairs_of(analysis.point)
-    patches = pairs.patches
-    at = stages_at(point, analysis.matrix, reflectance=patches.values.T, readout=analysis.readout)
+    at = _patches_at(analysis, pairs)
     if at.saturated.any():
         return None
-    distance = _distances(at, pairs)
+    distance = {name: _distance(at, pairs, name) for name in READINGS}
     probability = {name: separation_probability(distance[name]) for name in READINGS}
     probability[RAW] = _raw_probabilities(at, pairs)
     if matrix_rank("the color matrix", analysis.matrix.matrix) == len(at.raw.names):
@@ -622,8 +615,18 @@ def separation_of(analysis: Analysis) -> Separation | None:
         probability[COLOR] = np.minimum(gaussian, probability[RAW])
     for without, reading in ((RAW_WITHOUT, RAW), (COLOR_WITHOUT, COLOR)):
         probability[without] = np.minimum(probability[without], probability[reading])
-    title = chart_title(point.chart) if point.pairs is None else patches.source
+    title = chart_title(point.chart) if point.pairs is None else pairs.patches.source
     return Separation(pairs=pairs, title=title, distance=distance, probability=probability)
+
+
+def _patches_at(analysis: Analysis, pairs: PatchPairs) -> Stages:
+    """The patches of the pairs, as they are read."""
+    return stages_at(
+        analysis.point,
+        analysis.matrix,
+        reflectance=pairs.patches.values.T,
+        readout=analysis.readout,
+    )
 
 
 def median_distances(
@@ -715,12 +718,7 @@ def raw_outcomes(analysis: Analysis) -> dict[str, RawOutcome] | None:
         ``None`` where a patch saturates a channel.
     """
     pairs = pairs_of(analysis.point)
-    at = stages_at(
-        analysis.point,
-        analysis.matrix,
-        reflectance=pairs.patches.values.T,
-        readout=analysis.readout,
-    )
+    at = _patches_at(analysis, pairs)
     if at.saturated.any():
         return None
     return {reading: _outcome(at, pairs, reading) for reading in (RAW, RAW_WITHOUT)}
@@ -761,10 +759,6 @@ def pairs_of(point: OperatingPoint) -> PatchPairs:
     return all_pairs(chart_on(point.illuminant.grid, point.chart))
 
 
-def _distances(at: Stages, pairs: PatchPairs) -> dict[str, Float[Array, "*lv m"]]:
-    return {name: _distance(at, pairs, name) for name in READINGS}
-
-
 def _distance(at: Stages, pairs: PatchPairs, reading: str) -> Float[Array, "*lv m"]:
     patches = at.raw if reading in (RAW, RAW_WITHOUT) else _color(at)
     return pair_distances(patches, pairs.indices, brightness=reading in (RAW, COLOR))
@@ -780,11 +774,10 @@ def _color(at: Stages) -> Measurement:
 
 def _raw_probabilities(at: Stages, pairs: PatchPairs) -> Float[Array, " m"]:
     """From the exact distribution where both patches have few electrons in all channels."""
-    crosstalk = at.point.sensor.crosstalk
     noise = noise_sources(at.point.sensor, at.point.exposure)
     few = np.asarray(few_electrons(at.expected_e, noise).all(axis=-1))
     exact = np.asarray(few[pairs.indices].all(axis=1))
-    if crosstalk is not None and crosstalk.stage == "charge":
+    if after_counting(at.point.sensor.crosstalk) is not None:
         exact[:] = False
     found = np.empty(len(exact))
     if not exact.all():
