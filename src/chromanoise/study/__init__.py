@@ -48,10 +48,16 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.camera_league import (
         DEFAULT_ISO,
+        OF_FILTERS,
+        RANKED,
+        AtIso as AtIso,
         League as League,
+        LeagueEntry as LeagueEntry,
+        Ranked as Ranked,
         iso_speeds as iso_speeds,
         league_of,
         league_of_study,
+        point_at_iso as point_at_iso,
     )
     from chromanoise.study.camera_pipeline import (
         BASE_ISO as BASE_ISO,
@@ -183,14 +189,6 @@ if TYPE_CHECKING:
         MatrixSettings as MatrixSettings,
         RenderSettings as RenderSettings,
         SensitivitySettings as SensitivitySettings,
-    )
-    from chromanoise.study.league_entries import (
-        OF_FILTERS,
-        RANKED,
-        AtIso as AtIso,
-        LeagueEntry as LeagueEntry,
-        Ranked as Ranked,
-        point_at_iso as point_at_iso,
     )
     from chromanoise.study.maps import (
         BestCell as BestCell,
