@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from chromanoise.noise import Exposure, Measurement
+from chromanoise.noise import Exposure, Measurement, OperatingPoint
 from chromanoise.sensor import Pixel, Sensor, with_pixel
-from chromanoise.spectra import Cube, Grid
+from chromanoise.spectra import Cube, Grid, equal_energy
 
 GRID = Grid.uniform(400, 700, 10)
 PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
@@ -63,6 +63,12 @@ def raw_of(mean, covariance, names=None):
 
 def pixel_with(read_noise_e=10.0, full_well_e=10_000.0):
     return Pixel(pitch_um=10.0, full_well_e=full_well_e, read_noise_e=read_noise_e)
+
+
+def point_of(sensor, level_lux=10.0, *, exposure=EXPOSURE, illuminant=None):
+    """A sensor in use, by default in light of equal energy."""
+    lamp = equal_energy(sensor.grid) if illuminant is None else illuminant
+    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=level_lux)
 
 
 @st.composite

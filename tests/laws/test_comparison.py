@@ -7,8 +7,8 @@ import pytest
 
 from chromanoise.base import plain
 from chromanoise.color import kernel_matrix
-from chromanoise.noise import Exposure, OperatingPoint, expected_electrons, white_scene
-from chromanoise.sensor import Pixel, Sensor
+from chromanoise.noise import Exposure, expected_electrons, white_scene
+from chromanoise.sensor import Pixel
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import (
     QUANTITIES,
@@ -27,6 +27,7 @@ from chromanoise.study import (
 )
 from chromanoise.study.sweeps import SNR_Y
 from outcomes import refused_input
+from strategies import point_of, white_channel
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.01)
@@ -39,19 +40,17 @@ def kernel(operating_point):
 
 
 def used(sensor, exposure=EXPOSURE, level_lux=1.0):
-    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=level_lux)
+    return point_of(sensor, level_lux, exposure=exposure)
+
+
+def used_of(*names, time_s, level_lux=1.0):
+    sensors = [sensor_named(name, DEFAULT_GRID) for name in names]
+    return [used(one, Exposure(time_s=time_s), level_lux) for one in sensors]
 
 
 def one_channel(name, qe, read_noise_e, full_well_e=1e9):
     pixel = Pixel(pitch_um=10.0, full_well_e=full_well_e, read_noise_e=read_noise_e)
-    sensor = Sensor(
-        name=name,
-        grid=DEFAULT_GRID,
-        qe=np.full((DEFAULT_GRID.n, 1), qe),
-        names=("W",),
-        pixel=pixel,
-    )
-    return used(sensor)
+    return used(replace(white_channel(qe, grid=DEFAULT_GRID, pixel=pixel), name=name))
 
 
 def compare(*contestants, levels=LEVELS, **asked):
@@ -129,10 +128,7 @@ def test_each_pair_and_matrix_is_compared_once():
 
 def test_with_the_kernel_the_papers_sensor_without_ir_cut_never_wins_in_luminance():
     """Kernel: unmixing costs the same decibels at any level where shot noise rules."""
-    contestants = [
-        used(sensor_named(n, DEFAULT_GRID), Exposure(time_s=0.0119))
-        for n in ("onyx-rgbw", "onyx-rgb-ircut")
-    ]
+    contestants = used_of("onyx-rgbw", "onyx-rgb-ircut", time_s=0.0119)
     curves, (crossed,) = compare(*contestants, levels=np.geomspace(0.01, 10, 13))
     assert crossed.at == ()
     assert crossed.better_first == "onyx-rgb-ircut"
@@ -140,13 +136,13 @@ def test_with_the_kernel_the_papers_sensor_without_ir_cut_never_wins_in_luminanc
     assert [c.value[-1] for c in curves] == pytest.approx([26.1, 32.4], abs=0.3)
 
 
-ONYX = used(sensor_named("onyx-rgbw", DEFAULT_GRID), Exposure(time_s=0.0119), level_lux=10.0)
+(ONYX,) = used_of("onyx-rgbw", time_s=0.0119, level_lux=10.0)
 
 
-def swept(name, first, last, *, quantity="snr-y", points=5):
+def swept(name, first, last, *, quantity="snr-y", points=5, of=ONYX):
     sweep = SWEEPS[name]
     values = swept_values(sweep, first, last, points)
-    (curve,) = compared([ONYX], {"k": kernel}, values, sweep=sweep, quantity=QUANTITIES[quantity])
+    (curve,) = compared([of], {"k": kernel}, values, sweep=sweep, quantity=QUANTITIES[quantity])
     return curve
 
 
@@ -172,16 +168,9 @@ def test_a_redder_black_body_makes_more_electrons_per_lux():
     """Infrared carries no lux: 2000 K has more of it per lux than 6000 K."""
     bound = swept("kelvin", 2000, 6000, quantity="bound").value
     assert np.isnan(bound[0])  # saturated
-    dim = used(ONYX.sensor, ONYX.exposure, level_lux=0.1)
-    sweep = SWEEPS["kelvin"]
-    (curve,) = compared(
-        [dim],
-        {"k": kernel},
-        np.array([2000.0, 6000.0]),
-        sweep=sweep,
-        quantity=QUANTITIES["bound"],
-    )
-    assert curve.value[0] > curve.value[1] + 6
+    dim = replace(ONYX, level_lux=0.1)
+    bound = swept("kelvin", 2000, 6000, quantity="bound", points=2, of=dim).value
+    assert bound[0] > bound[1] + 6
 
 
 def test_each_further_illuminator_adds_the_same_infrared_electrons():
@@ -215,10 +204,7 @@ def test_where_less_is_better_the_lower_curve_leads():
     curves = compared(pair, makers, LEVELS, quantity=price)
     assert curves[0].value == pytest.approx(0.0, abs=1e-9)  # one channel pays no price
     error = QUANTITIES["color-error"]
-    sensors = [
-        used(sensor_named(n, DEFAULT_GRID), Exposure(time_s=0.001))
-        for n in ("onyx-rgbw", "onyx-rgb-ircut")
-    ]
+    sensors = used_of("onyx-rgbw", "onyx-rgb-ircut", time_s=0.001)
     curves = compared(sensors, makers, LEVELS[:3], quantity=error)
     (crossed,) = crossovers(sensors, makers, curves)
     assert curves[0].value[0] > curves[1].value[0]
@@ -226,10 +212,7 @@ def test_where_less_is_better_the_lower_curve_leads():
 
 
 def test_three_segments_are_told_in_their_order():
-    sensors = [
-        used(sensor_named(n, DEFAULT_GRID), Exposure(time_s=0.0119), level_lux=10.0)
-        for n in ("onyx-rgbw", "onyx-rgb")
-    ]
+    sensors = used_of("onyx-rgbw", "onyx-rgb", time_s=0.0119, level_lux=10.0)
     sweep, makers = SWEEPS["ircut-nm"], matrix_makers(["lmmse"], "quanta")
     curves = compared(sensors, makers, swept_values(sweep, 600, 1000, 21), sweep=sweep)
     (crossed,) = crossovers(sensors, makers, curves)
@@ -240,10 +223,7 @@ def test_three_segments_are_told_in_their_order():
 
 
 def test_the_band_over_priors_spans_the_crossovers_of_each():
-    sensors = [
-        used(sensor_named(n, DEFAULT_GRID), Exposure(time_s=0.01194))
-        for n in ("onyx-rgbw", "onyx-rgb-ircut")
-    ]
+    sensors = used_of("onyx-rgbw", "onyx-rgb-ircut", time_s=0.01194)
     levels = np.geomspace(0.05, 5, 9)
     (band,) = crossover_bands(sensors, ["kernel", "lmmse"], levels, priors=["chart-nir", "chart"])
     alone = []

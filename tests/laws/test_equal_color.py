@@ -15,7 +15,7 @@ from chromanoise.color.spaces import D65_WHITE, LAB, LUV
 from chromanoise.color.training import chart_training, smooth_training
 from chromanoise.metrics import mean_chart_errors, scielab_filtered
 from chromanoise.metrics.visual_noise import visual_noise_of_picture
-from chromanoise.noise import Exposure, OperatingPoint, expected_electrons
+from chromanoise.noise import Exposure
 from chromanoise.sensor import Converter, Pixel, with_channels
 from chromanoise.spectra import (
     DEFAULT_GRID,
@@ -23,7 +23,6 @@ from chromanoise.spectra import (
     Spectra,
     cie_illuminant,
     equal_energy,
-    flat_field,
 )
 from chromanoise.study import (
     HARDLY_SEEN_DELTA_E,
@@ -39,7 +38,7 @@ from chromanoise.study import (
 )
 from chromanoise.study.color_noise import noise_beyond_first_order
 from chromanoise.study.trade_offs import FEW_CHANNELS, NO_CHART, SATURATED, _along_light
-from strategies import EXPOSURE, GRID, bell_qe, sensor_of, sensors
+from strategies import EXPOSURE, GRID, bell_qe, point_of, sensor_of, sensors
 
 LAMP = equal_energy(GRID)
 SMOOTH = smooth_training(LAMP)
@@ -55,13 +54,42 @@ SENSORS = (
 )
 
 
-def paper_point(name, level_lux=10.0, time_s=11.94e-3):
-    return OperatingPoint(
-        sensor=sensor_named(name, DEFAULT_GRID),
-        exposure=Exposure(time_s=time_s),
-        illuminant=equal_energy(DEFAULT_GRID),
-        level_lux=level_lux,
-    )
+def paper_point(sensor, level_lux=10.0, time_s=11.94e-3):
+    sensor = sensor_named(sensor, DEFAULT_GRID) if isinstance(sensor, str) else sensor
+    return point_of(sensor, level_lux, exposure=Exposure(time_s=time_s))
+
+
+def quiet_and_strong(read_noise_e):
+    """One sensor with 0.5 e- of read noise; one with more, and four times the light."""
+    base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
+    quiet = replace(base, name="quiet", qe=base.qe / 4, pixel=replace(base.pixel, read_noise_e=0.5))
+    pixel = replace(base.pixel, read_noise_e=read_noise_e)
+    return [paper_point(one) for one in (quiet, replace(base, name="strong", pixel=pixel))]
+
+
+def turns_over_light(found):
+    return [one for one in found.turns if one.over == "light [lx]"]
+
+
+def family_at(point, prior):
+    training = training_named(prior, point.illuminant)
+    return NoiseAwareFamily(point.sensor, point.exposure, training, level_lux=point.level_lux)
+
+
+def drawn_gray(point, matrix, side, rng):
+    """X, Y, Z of a picture of an 18 % gray, over those of the white."""
+    white_e, read_e = electrons_at(point), point.sensor.pixel.read_noise_e
+    shape = (side, side, white_e.size)
+    raw = rng.poisson(0.18 * white_e, shape) + read_e * rng.normal(size=shape)
+    return raw @ matrix.T / (matrix @ white_e)
+
+
+def noise_of_picture(xyz):
+    return visual_noise_of_picture(
+        xyz,
+        lambda one: LUV.from_xyz(one, np.ones(3)),
+        pixels_per_degree=Viewing().pixels_per_degree,
+    ).total
 
 
 def xyz_costs(matrices, seen):
@@ -142,23 +170,8 @@ def test_the_noise_of_a_trade_off_is_that_of_a_drawn_picture_of_the_gray():
     trade = trade_off(point)
     k = int(np.argmin(trade.color_error))
     rng = np.random.default_rng(5)
-    white_e = expected_electrons(
-        flat_field(point.illuminant, level_lux=100.0), point.sensor, point.exposure
-    )
-    gray_e, read_e = 0.18 * white_e, point.sensor.pixel.read_noise_e
-    totals = []
-    for _ in range(6):
-        raw = rng.poisson(gray_e, (256, 256, white_e.size)) + read_e * rng.normal(
-            size=(256, 256, white_e.size)
-        )
-        xyz = raw @ trade.matrices[k].T / (trade.matrices[k] @ white_e)
-        totals.append(
-            visual_noise_of_picture(
-                xyz,
-                lambda one: LUV.from_xyz(one, np.ones(3)),
-                pixels_per_degree=Viewing().pixels_per_degree,
-            ).total
-        )
+    matrix = trade.matrices[k]
+    totals = [noise_of_picture(drawn_gray(point, matrix, 256, rng)) for _ in range(6)]
     assert trade.visual_noise[k] == pytest.approx(np.mean(totals), rel=0.03)
 
 
@@ -174,10 +187,8 @@ def test_between_two_weights_the_least_noise_is_that_of_a_finer_grid(color_error
     point = paper_point("onyx-rgb-ircut", level_lux=1.0)
     trade = trade_off(point)
     place = trade.place(color_error)
-    training = training_named("chart-nir", point.illuminant)
-    family = NoiseAwareFamily(point.sensor, point.exposure, training, level_lux=1.0)
     fine = np.geomspace(1e-4, 1e4, 4001)
-    matrices = family.matrices(fine)
+    matrices = family_at(point, "chart-nir").matrices(fine)
     errors = mean_chart_errors(point.sensor, matrices, point.exposure, point.illuminant)
     last = np.flatnonzero(errors <= color_error)[-1]
     white_e = electrons_at(point)
@@ -195,12 +206,12 @@ def test_of_the_papers_pair_the_sensor_with_ir_cut_has_less_noise_at_equal_color
 
 
 def test_the_winner_of_random_pairs_is_that_of_drawn_pictures():
-    rng, lamp = np.random.default_rng(3), equal_energy(GRID)
+    rng = np.random.default_rng(3)
     agreed = compared = 0
     for _ in range(25):
         points = [
-            OperatingPoint(
-                sensor=sensor_of(
+            point_of(
+                sensor_of(
                     bell_qe(
                         np.array([450, 540, 610]) + rng.normal(0, 12, 3),
                         rng.uniform(25, 50, 3),
@@ -211,9 +222,8 @@ def test_the_winner_of_random_pairs_is_that_of_drawn_pictures():
                     ),
                     name=name,
                 ),
+                float(10 ** rng.uniform(1.5, 3)),
                 exposure=Exposure(time_s=0.01),
-                illuminant=lamp,
-                level_lux=float(10 ** rng.uniform(1.5, 3)),
             )
             for name in ("one", "other")
         ]
@@ -221,23 +231,11 @@ def test_the_winner_of_random_pairs_is_that_of_drawn_pictures():
         found = equal_color(points, prior="smooth-50", turns=False)
         if found.margin_db < max(0.3, found.tie_db):  # 0.3 dB: sampling error of a picture
             continue
-        totals = {}
-        for point, standing in ((p, s) for p in points for s in found.standings):
-            if standing.sensor != point.sensor.label:
-                continue
-            training = training_named("smooth-50", lamp)
-            family = NoiseAwareFamily(
-                point.sensor, point.exposure, training, level_lux=point.level_lux
-            )
-            matrix = family.matrices(np.array([standing.weight]))[0]
-            white_e = electrons_at(point)
-            read_e = point.sensor.pixel.read_noise_e
-            raw = rng.poisson(0.18 * white_e, (96, 96, 3)) + read_e * rng.normal(size=(96, 96, 3))
-            totals[point.sensor.label] = visual_noise_of_picture(
-                raw @ matrix.T / (matrix @ white_e),
-                lambda one: LUV.from_xyz(one, np.ones(3)),
-                pixels_per_degree=Viewing().pixels_per_degree,
-            ).total
+        weights, totals = {one.sensor: one.weight for one in found.standings}, {}
+        for point in points:
+            label = point.sensor.label
+            (matrix,) = family_at(point, "smooth-50").matrices(np.array([weights[label]]))
+            totals[label] = noise_of_picture(drawn_gray(point, matrix, 96, rng))
         compared += 1
         agreed += min(totals, key=totals.get) == found.standings[0].sensor
     assert compared > 8
@@ -264,7 +262,7 @@ def test_a_third_sensor_that_is_first_beyond_first_order_makes_a_tie():
 def test_no_other_order_is_told_that_is_not_one_beyond_first_order():
     names = ("onyx-rgb-ircut", "model-ryb")
     points = [one.point for one in cn.analyze(*names, lux=10.0, time_ms=5.0).analyses]
-    assert [one for one in equal_color(points).turns if one.over == "light [lx]"] == []
+    assert turns_over_light(equal_color(points)) == []
     there = [trade_off(replace(one, level_lux=0.3)) for one in points]
     places = [one.place(max(two.least_color_error for two in there)) for one in there]
     first_order = [one.noise_at(at) for one, at in zip(there, places, strict=True)]
@@ -276,21 +274,15 @@ def test_no_other_order_is_told_that_is_not_one_beyond_first_order():
 
 @pytest.mark.parametrize(("level_lux", "within"), [(20.0, 0.02), (3.0, 0.03), (1.0, 0.04)])
 def test_noise_beyond_first_order_is_that_of_a_drawn_gray(level_lux, within):
-    point, side, rng = paper_point("onyx-rgb-ircut", level_lux), 512, np.random.default_rng(8)
+    point = paper_point("onyx-rgb-ircut", level_lux)
     sensor, white_e = point.sensor, electrons_at(point)
     matrix = trade_off(point).matrices[0]
-    read_e = sensor.pixel.read_noise_e
-    raw_e = rng.poisson(0.18 * white_e, (side, side, 3)) + rng.normal(0, read_e, (side, side, 3))
-    drawn = raw_e @ matrix.T / (matrix @ white_e)
+    drawn = drawn_gray(point, matrix, 512, np.random.default_rng(8))
     per_degree = Viewing().pixels_per_degree
     seen = scielab_filtered(drawn * D65_WHITE, pixels_per_degree=per_degree) / D65_WHITE
     lab = LAB.from_xyz(seen, np.ones(3))
-    expected = (
-        visual_noise_of_picture(
-            drawn, lambda one: LUV.from_xyz(one, np.ones(3)), pixels_per_degree=per_degree
-        ).total,
-        np.linalg.norm(lab - lab.mean(axis=(0, 1)), axis=-1).mean(),
-    )
+    distance = np.linalg.norm(lab - lab.mean(axis=(0, 1)), axis=-1).mean()
+    expected = (noise_of_picture(drawn), distance)
     found = noise_beyond_first_order(white_e, sensor, point.exposure, matrix, Viewing())
     assert found == pytest.approx(expected, rel=within)
     if level_lux == 1.0:  # and first order is not
@@ -356,16 +348,11 @@ def test_a_channel_that_does_not_help_is_not_used():
 
 
 def test_sensors_that_cannot_be_compared_are_left_out_with_the_reason():
-    verdict = cn.analyze(*PAIR, "model-mono", lux=1.0, time_ms=10.0).verdict
-    assert [
-        one["name"]
-        for one in cn.analyze(*PAIR, "model-mono", lux=1.0, time_ms=10.0).to_dict()["verdict"][
-            "sensors"
-        ]
-    ] == ["onyx-rgb-ircut", "onyx-rgbw"]
-    assert [(one.sensor, one.why) for one in verdict.at_equal_color.left_out] == [
-        ("model-mono", FEW_CHANNELS)
-    ]
+    result = cn.analyze(*PAIR, "model-mono", lux=1.0, time_ms=10.0)
+    compared = result.to_dict()["verdict"]["sensors"]
+    assert [one["name"] for one in compared] == ["onyx-rgb-ircut", "onyx-rgbw"]
+    (left_out,) = result.verdict.at_equal_color.left_out
+    assert (left_out.sensor, left_out.why) == ("model-mono", FEW_CHANNELS)
     full = cn.analyze(*PAIR, "onyx-rgb", lux=10, time_ms=17, patch=0.18).verdict
     assert ("onyx-rgbw", SATURATED) in [
         (one.sensor, one.why) for one in full.at_equal_color.left_out
@@ -389,8 +376,7 @@ def test_points_in_other_light_are_refused():
 
 def test_two_sensors_of_one_label_keep_their_own_numbers():
     rgbw, rgb = (replace(sensor_named(name, DEFAULT_GRID), shown_as="X") for name in PAIR)
-    points = [replace(paper_point("onyx-rgbw"), sensor=one) for one in (rgbw, rgb)]
-    found = equal_color(points, turns=False)
+    found = equal_color([paper_point(one) for one in (rgbw, rgb)], turns=False)
     apart = equal_color([paper_point(name) for name in PAIR], turns=False)
     assert found.margin_db == pytest.approx(apart.margin_db)
     assert [one.visual_noise for one in found.standings] == [
@@ -399,12 +385,8 @@ def test_two_sensors_of_one_label_keep_their_own_numbers():
 
 
 def test_the_order_turns_where_read_noise_gives_way_to_shot_noise():
-    # one sensor reads out without noise, the other sees four times the light
-    base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
-    quiet = replace(base, name="quiet", qe=base.qe / 4, pixel=replace(base.pixel, read_noise_e=0.5))
-    strong = replace(base, name="strong", pixel=replace(base.pixel, read_noise_e=40.0))
-    points = [replace(paper_point("onyx-rgb-ircut", 10.0), sensor=one) for one in (quiet, strong)]
-    (turn,) = (one for one in equal_color(points).turns if one.over == "light [lx]")
+    points = quiet_and_strong(40.0)
+    (turn,) = turns_over_light(equal_color(points))
     assert turn.winner == "strong"
     near = [
         equal_color([replace(one, level_lux=turn.first * f) for one in points], turns=False)
@@ -416,13 +398,10 @@ def test_the_order_turns_where_read_noise_gives_way_to_shot_noise():
 
 def test_where_color_is_lost_in_the_noise_of_all_there_is_no_turn():
     # far in the dark the sensor without IR-cut has less noise, but no sensor shows colors there
-    base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
-    quiet = replace(base, name="quiet", qe=base.qe / 4, pixel=replace(base.pixel, read_noise_e=0.5))
-    strong = replace(base, name="strong", pixel=replace(base.pixel, read_noise_e=6.0))
-    points = [replace(paper_point("onyx-rgb-ircut", 10.0), sensor=one) for one in (quiet, strong)]
+    points = quiet_and_strong(6.0)
     dark = equal_color([replace(one, level_lux=0.1) for one in points], turns=False)
     assert (dark.standings[0].sensor, dark.winner) == ("quiet", None)
-    assert [one.winner for one in equal_color(points).turns if one.over == "light [lx]"] == []
+    assert turns_over_light(equal_color(points)) == []
 
 
 def test_the_compared_color_error_is_the_least_of_a_named_sensor_and_unused_channels_are_told():
@@ -440,8 +419,7 @@ def test_the_compared_color_error_is_the_least_of_a_named_sensor_and_unused_chan
 def test_a_tie_and_a_lead_below_it_are_no_turn():
     base = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
     almost = replace(base, name="almost", qe=base.qe * [1.002, 0.999, 1.001])
-    points = [replace(paper_point("onyx-rgb-ircut"), sensor=one) for one in (base, almost)]
-    found = equal_color(points)
+    found = equal_color([paper_point(one) for one in (base, almost)])
     assert found.is_tie
     assert found.turns == ()
     assert found.winner is None

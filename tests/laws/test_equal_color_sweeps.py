@@ -7,8 +7,8 @@ import pytest
 
 import chromanoise as cn
 from chromanoise.base import InputError
-from chromanoise.noise import Exposure, OperatingPoint
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.noise import Exposure
+from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import (
     SWEEPS,
     equal_color,
@@ -17,21 +17,14 @@ from chromanoise.study import (
     sensor_named,
 )
 from chromanoise.study.trade_offs import SATURATED
+from strategies import point_of
 
 THREE = ("onyx-rgbw", "onyx-rgb", "onyx-rgb-ircut")
 LEVELS_LUX = np.geomspace(0.3, 300.0, 9)
 
 
 def points_of(*sensors):
-    return [
-        OperatingPoint(
-            sensor=one,
-            exposure=Exposure(time_s=11.94e-3),
-            illuminant=equal_energy(DEFAULT_GRID),
-            level_lux=10.0,
-        )
-        for one in sensors
-    ]
+    return [point_of(one, exposure=Exposure(time_s=11.94e-3)) for one in sensors]
 
 
 @pytest.fixture(scope="module")

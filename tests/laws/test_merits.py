@@ -14,8 +14,8 @@ from chromanoise.base.errors import InputError
 from chromanoise.color import chart_training, cielab, colored, lmmse
 from chromanoise.imaging import bilinear_filters, demosaicked
 from chromanoise.metrics import matrix_report, visual_noise_of_picture
-from chromanoise.noise import OperatingPoint, expected_electrons, saturating_exposure, with_noise
-from chromanoise.sensor import Mosaic, bayer, crosstalk_of_share, with_crosstalk, with_pixel
+from chromanoise.noise import expected_electrons, saturating_exposure, with_noise
+from chromanoise.sensor import Mosaic, Pixel, bayer, crosstalk_of_share, with_crosstalk, with_pixel
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,
@@ -44,10 +44,9 @@ from outcomes import refused_input
 from strategies import (
     EXPOSURE,
     GRID,
-    RGB,
     bell_qe,
     pixel_with,
-    rgb_sensor,
+    point_of,
     sensor_of,
     sensors,
     white_channel,
@@ -63,8 +62,8 @@ def point_of(sensor, exposure=EXPOSURE, lux=10.0):
 
 def merits_at(sensor, *, exposure=EXPOSURE, lux=10.0, metric="quanta", method="kernel", **more):
     maker = matrix_makers([method], metric, prior="chart")[method]
-    matrix = maker(point_of(sensor, exposure, lux))
-    white = flat_field(equal_energy(sensor.grid), level_lux=lux)
+    matrix = maker(point_of(sensor, lux, exposure=exposure))
+    white = flat_field(lamp, level_lux=lux)
     analysis = analyzed(white, sensor, exposure, metric, matrix=matrix)
     return merits_of(analysis, maker=maker, **more)
 
@@ -225,7 +224,7 @@ def test_the_adapting_matrix_has_snr_10_at_the_light_for_which_it_is_made():
     maker = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"]
     gray = flat_field(LAMP, level_lux=lux, reflectance=0.18)
     raw = with_noise(expected_electrons(gray, sensor, EXPOSURE), sensor)
-    color = colored(raw, maker(point_of(sensor, lux=lux)))
+    color = colored(raw, maker(point_of(sensor, lux)))
     assert color.mean[1] / np.sqrt(color.variance[1]) == pytest.approx(10.0, rel=1e-9)
 
 
@@ -394,7 +393,7 @@ def test_a_merit_without_value_and_reason_is_refused(value, missing):
 @settings(max_examples=20, deadline=None)
 @given(sensors(min_channels=2), st.floats(0.01, 100.0))
 def test_along_the_curve_color_error_grows_and_noise_falls(sensor, lux):
-    curve = pareto_of(point_of(sensor, lux=lux), noise_weights(1e-3, 1e3), prior="chart")
+    curve = pareto_of(point_of(sensor, lux), noise_weights(1e-3, 1e3), prior="chart")
     slack = 1e-9 * curve.color_error_rms.max()
     assert (np.diff(curve.color_error_rms) >= -slack).all()
     assert (np.diff(curve.noise_rms) <= 1e-9 * curve.noise_rms.max()).all()
@@ -402,42 +401,37 @@ def test_along_the_curve_color_error_grows_and_noise_falls(sensor, lux):
 
 def test_at_weight_1_the_curve_has_the_lmmse_matrix():
     sensor = rgb_sensor()
-    curve = pareto_of(
-        point_of(sensor, lux=1.0), noise_weights(0.01, 100.0, points=3), prior="chart"
-    )
+    curve = pareto_of(point_of(sensor, 1.0), noise_weights(0.01, 100.0, points=3), prior="chart")
     ours = lmmse(sensor, EXPOSURE, chart_training(LAMP), level_lux=1.0)
     assert curve.matrix[1] == pytest.approx(ours.matrix, rel=1e-9)
 
 
-def reported(sensor, exposure):
-    operating_point = point_of(sensor, exposure)
-    matrix = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"](operating_point)
-    report = matrix_report(matrix, sensor, exposure, LAMP, level_lux=10.0)
-    return operating_point, matrix, report
-
-
-def result_of(point, matrix, report, curve):
-    white_e = electrons_at(point)
-    return MatrixResult(point=point, matrix=matrix, report=report, white_e=white_e, pareto=curve)
+def with_curve(sensor, exposure, weights):
+    """The LMMSE matrix of a sensor with its curve."""
+    point = point_of(sensor, exposure=exposure)
+    matrix = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"](point)
+    return MatrixResult(
+        point=point,
+        matrix=matrix,
+        report=matrix_report(matrix, sensor, exposure, LAMP, level_lux=10.0),
+        white_e=electrons_at(point),
+        pareto=pareto_of(point, weights, prior="chart"),
+    )
 
 
 def test_a_saturated_white_has_no_snr_along_the_curve():
     sensor = rgb_sensor()
     exposure = filled(sensor, 1.0)
-    operating_point, matrix, report = reported(
-        sensor, replace(exposure, time_s=2 * exposure.time_s)
-    )
-    curve = pareto_of(operating_point, noise_weights(0.1, 10.0, points=3), prior="chart")
-    assert white_snr_db(curve, report) == (None, None, None)
-    data = result_of(operating_point, matrix, report, curve).to_dict()
+    twice = replace(exposure, time_s=2 * exposure.time_s)
+    result = with_curve(sensor, twice, noise_weights(0.1, 10.0, points=3))
+    assert white_snr_db(result.pareto, result.report) == (None, None, None)
+    data = result.to_dict()
     assert [point["snr_y_db"] for point in data["pareto"]] == [None] * 3
     assert data["report"]["snr_db"] is None
 
 
 def test_the_matrix_in_json_is_on_the_curve_in_json_at_its_weight():
-    operating_point, matrix, report = reported(rgb_sensor(), EXPOSURE)
-    curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=3), prior="chart")
-    data = result_of(operating_point, matrix, report, curve).to_dict()
+    data = with_curve(rgb_sensor(), EXPOSURE, noise_weights(0.01, 100.0, points=3)).to_dict()
     json.dumps(data, allow_nan=False)
     at_1 = data["pareto"][1]
     assert at_1["weight"] == pytest.approx(1.0)
