@@ -114,11 +114,19 @@ def mapped(
             found=None,
         )
     rows = second.checked(second_at)
-    found = [
-        _row(contestants, makers, at, value, sweep, second, quantity, progress)
-        for value in rows.tolist()
-    ]
-    curves = [row for row, _ in found]
+    curves: list[tuple[Curve, ...]] = []
+    crossed: list[dict[tuple[str, str, str], tuple[float, ...]]] = []
+    for value in rows.tolist():
+        if sweep.replaces_light:
+            moved, both = list(contestants), _then(sweep, second, value)
+        else:
+            moved, both = [second.at(one, value) for one in contestants], sweep
+        row = compared(moved, makers, at, sweep=both, quantity=quantity, progress=progress)
+        curves.append(row)
+        if len(contestants) <= MOST_PAIRS_SENSORS:
+            pairs = crossovers_or_reasons(moved, makers, row)
+            known = [pair for pair in pairs if isinstance(pair, Crossover)]
+            crossed.append({(one.first, one.second, one.matrix): one.at for one in known})
     maps = tuple(
         QuantityMap(
             **one.subject | {"sweep": sweep},
@@ -130,30 +138,18 @@ def mapped(
         )
         for i, one in enumerate(curves[0])
     )
-    return maps, _lines(maps, [crossed for _, crossed in found])
-
-
-def _row(
-    contestants: Sequence[OperatingPoint],
-    makers: Mapping[str, MatrixFunction],
-    at: Float[Array, " k"],
-    value: float,
-    sweep: Sweep,
-    second: Sweep,
-    quantity: Quantity,
-    progress: Callable[[int], None],
-) -> tuple[tuple[Curve, ...], list[Crossover]]:
-    """One row: the curves at one value of the second sweep, and their crossovers."""
-    if sweep.replaces_light:
-        both = _then(sweep, second, value)
-        moved = list(contestants)
-    else:
-        both, moved = sweep, [second.at(one, value) for one in contestants]
-    curves = compared(moved, makers, at, sweep=both, quantity=quantity, progress=progress)
-    if not 1 < len(contestants) <= MOST_PAIRS_SENSORS:
-        return curves, []
-    pairs = crossovers_or_reasons(moved, makers, curves)
-    return curves, [pair for pair in pairs if isinstance(pair, Crossover)]
+    lines = tuple(
+        CrossoverLine(
+            first=a.sensor,
+            second=b.sensor,
+            matrix=name,
+            at=tuple(row.get((a.sensor, b.sensor, name), ()) for row in crossed),
+        )
+        for name, mine in by_matrix(maps).items()
+        for a, b in combinations(mine, 2)
+        if crossed
+    )
+    return maps, lines
 
 
 def _then(sweep: Sweep, second: Sweep, value: float) -> Sweep:
@@ -163,28 +159,6 @@ def _then(sweep: Sweep, second: Sweep, value: float) -> Sweep:
         return second.at(sweep.at(operating_point, first), value)
 
     return replace(sweep, at=both)
-
-
-def _lines(
-    maps: Sequence[QuantityMap], rows: Sequence[Sequence[Crossover]]
-) -> tuple[CrossoverLine, ...]:
-    if len({one.sensor for one in maps}) > MOST_PAIRS_SENSORS:
-        return ()
-    return tuple(
-        CrossoverLine(
-            first=a.sensor,
-            second=b.sensor,
-            matrix=name,
-            at=tuple(_of_pair(row, a, b) for row in rows),
-        )
-        for name, mine in by_matrix(maps).items()
-        for a, b in combinations(mine, 2)
-    )
-
-
-def _of_pair(row: Sequence[Crossover], a: QuantityMap, b: QuantityMap) -> tuple[float, ...]:
-    key = (a.sensor, b.sensor, a.matrix)
-    return next((one.at for one in row if (one.first, one.second, one.matrix) == key), ())
 
 
 def best_of(maps: Sequence[QuantityMap]) -> Int[Array, "j k"]:
