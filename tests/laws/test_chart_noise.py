@@ -7,9 +7,16 @@ import pytest
 
 from chromanoise.base.rng import stream
 from chromanoise.color import kernel_matrix
-from chromanoise.noise import Exposure, OperatingPoint, sample_electrons
+from chromanoise.noise import Exposure, expected_electrons, sample_electrons
 from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy, flat_field
-from chromanoise.study import analyzed, chart_noise, matrix_makers, sensor_named
+from chromanoise.study import (
+    analyzed,
+    chart_noise,
+    matrix_makers,
+    mean_color_error,
+    sensor_named,
+)
+from strategies import point_of
 
 LAMP = equal_energy(DEFAULT_GRID)
 DRAWS = 20_000
@@ -29,8 +36,6 @@ def charted():
 def test_patches_drawn_and_taken_to_lab_scatter_as_predicted():
     """CIELAB by colour-science's own function, noise by drawing: another road to both."""
     import colour
-
-    from chromanoise.noise import expected_electrons
 
     analysis = seen()
     chart = charted()
@@ -58,8 +63,6 @@ def test_an_error_free_patch_exists_only_where_sensor_and_eye_agree():
 
 
 def test_the_mean_of_the_chart_is_the_color_error_of_the_analysis():
-    from chromanoise.study import mean_color_error
-
     analysis = seen()
     assert charted().color_error.mean() == pytest.approx(mean_color_error(analysis))
 
@@ -77,12 +80,10 @@ def test_a_saturated_sensor_has_no_chart():
 def test_another_matrix_changes_color_and_leaves_raw_alone():
     sensor, exposure = sensor_named("onyx-rgbw", DEFAULT_GRID), Exposure(time_s=0.0119)
     white = flat_field(LAMP, level_lux=1.0)
-    operating_point = OperatingPoint(
-        sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=1.0
-    )
     (maker,) = matrix_makers(["lmmse"], "quanta").values()
     kernel = analyzed(white, sensor, exposure)
-    trained = analyzed(white, sensor, exposure, matrix=maker(operating_point))
+    matrix = maker(point_of(sensor, 1.0, exposure=exposure))
+    trained = analyzed(white, sensor, exposure, matrix=matrix)
     assert kernel.matrix.matrix == pytest.approx(kernel_matrix(sensor, exposure).matrix)
     assert trained.raw.covariance == pytest.approx(kernel.raw.covariance)
     assert trained.color_snr_loss_db < kernel.color_snr_loss_db - 2

@@ -9,19 +9,13 @@ from hypothesis import given, strategies as st
 from chromanoise.color import kernel_matrix
 from chromanoise.color.training import shares
 from chromanoise.metrics import information_bits
-from chromanoise.noise import (
-    Exposure,
-    OperatingPoint,
-    expected_electrons,
-    mean_noise_covariance,
-    with_noise,
-)
+from chromanoise.noise import expected_electrons, mean_noise_covariance, with_noise
 from chromanoise.sensor import Converter, Crosstalk, Pixel
 from chromanoise.spectra import Grid, Scene, equal_energy
 from chromanoise.study import PRIORS, information_chain
 from chromanoise.study.color_matrices import training_named
 from outcomes import refused_input
-from strategies import mixes, sensor_of
+from strategies import mixes, point_of, sensor_of
 
 NM = Grid.uniform(400, 1050, 10)
 E = equal_energy(NM)
@@ -34,12 +28,7 @@ def camera(p, *, read_noise_e=10.0, level_lux=10.0, **more):
     at, center = NM.wavelength_nm[:, None], np.linspace(440.0, 900.0, p)
     qe = 0.5 * np.exp(-0.5 * ((at - center) / max(50.0, 300.0 / p)) ** 2)
     pixel = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=read_noise_e)
-    return OperatingPoint(
-        sensor=sensor_of(qe, grid=NM, pixel=pixel, names=NAMES[:p], **more),
-        exposure=Exposure(time_s=0.01, f_number=1.8),
-        illuminant=E,
-        level_lux=level_lux,
-    )
+    return point_of(sensor_of(qe, grid=NM, pixel=pixel, names=NAMES[:p], **more), level_lux)
 
 
 def bits_of(signal, noise):

@@ -60,12 +60,17 @@ def white_preserving(raw, wanted):
     return np.column_stack([free.T, 1 - free.sum(axis=0)])
 
 
-def of_patches(name, lamp="D50"):
+def of_patches(name):
     patches = packaged_table("patches-190")
     reflectance = patches.values[np.isin(patches.wavelength_nm, AT)].T
-    raw = balanced(per_energy(name), lamp_of(lamp), reflectance)
-    wanted = balanced(EYE, lamp_of(lamp), reflectance)
-    return raw, wanted
+    return tuple(balanced(c, lamp_of("D50"), reflectance) for c in (per_energy(name), EYE))
+
+
+def of_smi(name, lamp):
+    """The 18 colored patches of ISO 17321-1."""
+    chart = [*colour.SDS_COLOURCHECKERS["ISO 17321-1"].values()][:18]
+    reflectance = np.array([np.interp(AT, one.wavelengths, one.values) for one in chart])
+    return tuple(balanced(c, lamp_of(lamp), reflectance) for c in (per_energy(name), EYE))
 
 
 def delta_e(raw, matrix, wanted):
@@ -87,9 +92,7 @@ def test_loss_and_color_error_are_those_of_plain_least_squares(standings, name):
 
 @pytest.mark.parametrize("name", FIVE)
 def test_smi_is_that_of_another_minimizer(standings, name):
-    chart = [*colour.SDS_COLOURCHECKERS["ISO 17321-1"].values()][:18]
-    reflectance = np.array([np.interp(AT, one.wavelengths, one.values) for one in chart])
-    raw, wanted = (balanced(c, lamp_of("D55"), reflectance) for c in (per_energy(name), EYE))
+    raw, wanted = of_smi(name, "D55")
     start = white_preserving(raw, wanted).ravel()
 
     def mean(entries):
@@ -165,9 +168,7 @@ def test_published_smi_is_that_of_a_white_preserving_matrix_and_not_of_the_best(
     standings, name, published
 ):
     """The standard takes the matrix of least mean Delta E*ab, which no camera uses."""
-    chart = [*colour.SDS_COLOURCHECKERS["ISO 17321-1"].values()][:18]
-    reflectance = np.array([np.interp(AT, one.wavelengths, one.values) for one in chart])
-    raw, wanted = (balanced(c, lamp_of("D50"), reflectance) for c in (per_energy(name), EYE))
+    raw, wanted = of_smi(name, "D50")
     with_white = 100 - 5.5 * delta_e(raw, white_preserving(raw, wanted), wanted).mean()
     assert with_white == pytest.approx(published, abs=1.5)
     assert standings[name].smi > with_white + 1
@@ -295,18 +296,8 @@ def test_speeds_are_whole_stops_or_a_list():
 @pytest.mark.parametrize(
     "wrong",
     [
-        "",
-        "100:",
-        "100:200:400",
-        "400,100",
-        "100,100",
-        "0:100",
-        "nan",
-        "1e9",
-        "5:1",
-        "1:1e7x",
-        [],
-        "100:150",
+        *("", "100:", "100:200:400", "400,100", "100,100", "0:100", "nan", "1e9", "5:1"),
+        *("1:1e7x", [], "100:150"),
     ],
 )
 def test_what_is_no_speed_is_refused(wrong):

@@ -44,17 +44,10 @@ from chromanoise.study.reading_quality import (
 from dear import dear_if
 from noise_samples import noise_of
 from outcomes import refused_input
+from strategies import raw_of
 
 ONE_PAIR = np.array([[0, 1]])
 SHOT_ONLY = noise_of(read_noise_e=0.0)
-
-
-def measurement(mean, covariance, kind="raw"):
-    mean = np.asarray(mean, dtype=float)
-    names = tuple(f"c{i}" for i in range(mean.shape[-1]))
-    return Measurement(
-        mean=mean, covariance=np.asarray(covariance, float), names=names, kind=kind, unit="e-"
-    )
 
 
 def random_pair(rng, p, *, equal=False):
@@ -63,7 +56,7 @@ def random_pair(rng, p, *, equal=False):
     first, second = (root @ root.T + 0.1 * np.eye(p) for root in roots)
     mean = rng.uniform(1.0, 3.0, p)
     other = mean + rng.standard_normal(p)
-    return measurement(mean, first), measurement(other, first if equal else second)
+    return raw_of(mean, first), raw_of(other, first if equal else second)
 
 
 def correct_share_of_draws(first, second, count, rng):
@@ -130,7 +123,7 @@ def test_without_brightness_the_reader_may_add_any_share_of_both_means(p, seed):
 
 def test_patches_that_differ_in_brightness_alone_are_one_patch_without_it():
     mean, noise = np.array([30.0, 50.0, 20.0]), np.diag([4.0, 5.0, 6.0])
-    first, second = measurement(mean, noise), measurement(0.4 * mean, noise)
+    first, second = raw_of(mean, noise), raw_of(0.4 * mean, noise)
     assert mahalanobis_distance(first, second) > 10
     assert mahalanobis_distance(first, second, brightness=False) == pytest.approx(0.0, abs=1e-6)
 
@@ -139,14 +132,14 @@ def test_many_pairs_have_the_distances_of_each():
     rng = np.random.default_rng(5)
     root = rng.standard_normal((2, 5, 3, 3))
     covariance = root @ np.swapaxes(root, -1, -2) + np.eye(3)
-    patches = measurement(rng.uniform(1, 9, (2, 5, 3)), covariance)
+    patches = raw_of(rng.uniform(1, 9, (2, 5, 3)), covariance)
     pairs = np.array(list(combinations(range(5), 2)))
     for brightness in (True, False):
         found = pair_distances(patches, pairs, brightness=brightness)
         assert found.shape == (2, 10)
         for level, (at, (i, j)) in product(range(2), enumerate(pairs)):
             one, other = (
-                measurement(patches.mean[level, k], patches.covariance[level, k]) for k in (i, j)
+                raw_of(patches.mean[level, k], patches.covariance[level, k]) for k in (i, j)
             )
             expected = mahalanobis_distance(one, other, brightness=brightness)
             assert found[level, at] == pytest.approx(float(expected), rel=1e-12)
@@ -154,9 +147,9 @@ def test_many_pairs_have_the_distances_of_each():
 
 def test_a_difference_without_noise_is_endless_and_no_difference_is_none():
     sure = np.diag([0.0, 1.0])
-    first = measurement([1.0, 1.0], sure)
-    assert mahalanobis_distance(first, measurement([2.0, 1.0], sure)) == np.inf
-    assert mahalanobis_distance(first, measurement([1.0, 1.0], sure)) == 0.0
+    first = raw_of([1.0, 1.0], sure)
+    assert mahalanobis_distance(first, raw_of([2.0, 1.0], sure)) == np.inf
+    assert mahalanobis_distance(first, raw_of([1.0, 1.0], sure)) == 0.0
 
 
 def test_a_matrix_of_dependent_rows_keeps_what_its_rows_span():
@@ -173,7 +166,7 @@ def test_a_matrix_of_dependent_rows_keeps_what_its_rows_span():
 def test_two_measurements_in_other_coordinates_have_no_distance():
     with refused_input(subject="coordinates"):
         mahalanobis_distance(
-            measurement([1.0], [[1.0]]),
+            raw_of([1.0], [[1.0]]),
             Measurement(mean=np.ones(1), covariance=np.eye(1), names=("x",), kind="raw", unit="e-"),
         )
 
@@ -197,9 +190,7 @@ def test_in_one_channel_it_is_the_larger_of_both_densities(variance, shift):
     at = np.linspace(-width, width + shift, 2_000_001)
     larger = np.maximum(norm.pdf(at), norm.pdf(at, shift, np.sqrt(variance)))
     expected = larger.sum() * (at[1] - at[0]) / 2
-    found = gaussian_separation_probability(
-        measurement([0.0], [[1.0]]), measurement([shift], [[variance]])
-    )
+    found = gaussian_separation_probability(raw_of([0.0], [[1.0]]), raw_of([shift], [[variance]]))
     assert found == pytest.approx(expected, abs=1e-7)
 
 
@@ -256,7 +247,7 @@ def test_many_electrons_are_gaussian():
     means = np.array([[400.0, 900.0], [430.0, 880.0]])
     noise = noise_of(read_noise_e=3.0)
     channels = [reading_distribution(means[:, k], noise) for k in range(2)]
-    one, other = (measurement(mean, np.diag(mean + 9.0)) for mean in means)
+    one, other = (raw_of(mean, np.diag(mean + 9.0)) for mean in means)
     assert exact_separation_probability(channels, ONE_PAIR) == pytest.approx(
         float(gaussian_separation_probability(one, other)), abs=1e-3
     )
