@@ -422,7 +422,9 @@ def entry_of(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
     else:
         rows = [_of_camera(cut, iso, matrix, facts) for iso in speeds]
     unused = () if facts is None else assumptions(sensor)  # of one ISO speed alone
-    is_listed = facts is not None and np.array_equal(sensor.qe, _listed(facts, sensor.grid).qe)
+    is_listed = facts is not None and np.array_equal(
+        sensor.qe, sensor_named(facts.name, sensor.grid).qe
+    )
     return LeagueEntry(
         name=sensor.label,
         camera=facts.camera if facts is not None and is_listed else "",
@@ -438,19 +440,16 @@ def entry_of(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
 def _facts_of(sensor: Sensor) -> CameraFacts | None:
     """The facts of a camera with the pixel of the catalog, perhaps behind filters."""
     facts = camera_facts().get(sensor.name.partition("+")[0])
-    if facts is None or sensor.pixel != _listed(facts, sensor.grid).pixel:
+    if facts is None or sensor.pixel != sensor_named(facts.name, sensor.grid).pixel:
         return None
     return facts
-
-
-def _listed(facts: CameraFacts, grid: Grid) -> Sensor:
-    return sensor_named(facts.name, grid)
 
 
 def _of_camera(sensor: Sensor, iso: float, matrix: ColorMatrix, facts: CameraFacts) -> AtIso:
     if iso < facts.base_iso:
         return AtIso(iso=iso, read_noise_e=None)
-    pixel = camera_pixel(_listed(facts, sensor.grid), iso)  # a filter changes no pixel
+    listed = sensor_named(facts.name, sensor.grid)  # a filter changes no pixel
+    pixel = camera_pixel(listed, iso)
     there = replace(sensor, pixel=replace(sensor.pixel, **pixel.known))
     known = pixel.read_noise_e is not None
     return _at_iso(point_at_iso(there, iso), iso, matrix, known=known)
@@ -692,7 +691,10 @@ def iso_speeds(given: str | float | Sequence[float]) -> tuple[float, ...]:
     (100.0, 200.0, 400.0, 800.0, 1600.0)
     """
     if isinstance(given, str) and ":" in given:
-        first, last = (_speed(part) for part in _two(given))
+        if given.count(":") > 1:
+            need = "must have the form FIRST:LAST"
+            raise InputError("iso", need, value=given, remedy=f"write {DEFAULT_ISO}")
+        first, last = map(_speed, given.split(":"))
         stops = round(log2(last / first))
         speeds = [first * 2**i for i in range(stops + 1)]
         if not isclose(first * 2.0**stops, last, rel_tol=1e-9):
@@ -710,14 +712,6 @@ def iso_speeds(given: str | float | Sequence[float]) -> tuple[float, ...]:
             remedy=f"write {DEFAULT_ISO} or 100,200,400",
         )
     return tuple(speeds)
-
-
-def _two(given: str) -> list[str]:
-    parts = given.split(":")
-    if len(parts) != 2:
-        need = "must have the form FIRST:LAST"
-        raise InputError("iso", need, value=given, remedy=f"write {DEFAULT_ISO}")
-    return parts
 
 
 def _speed(given: str | float) -> float:

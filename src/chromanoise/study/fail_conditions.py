@@ -268,7 +268,7 @@ def _unknown(key: str, results: Sequence[JudgedResult]) -> InputError:
         "must name a key of the result",
         value=key,
         remedy=did_you_mean(
-            key.rpartition(".")[2] if "." not in key else key,
+            key,
             list(dict.fromkeys(known)),
             "see `chromanoise schema`",
             cutoff=0.6,
@@ -278,17 +278,9 @@ def _unknown(key: str, results: Sequence[JudgedResult]) -> InputError:
 
 def _names_of(one: DescribedKey) -> tuple[str, str]:
     """The last part of a key, and the key without the list of sensors."""
+    within = one.path[one.path.index(LIST) + 1 :] if LIST in one.path[:-1] else one.path
     *_, last = (step for step in one.path if step not in (LIST, ANY_NAME))
-    return last, _shown(one.path)
-
-
-def _shown(path: Path) -> str:
-    return ".".join(step for step in _within(path) if step not in (LIST, ANY_NAME))
-
-
-def _within(path: Path) -> Path:
-    """A path from the entries of its outermost list."""
-    return path[path.index(LIST) + 1 :] if LIST in path[:-1] else path
+    return last, ".".join(step for step in within if step not in (LIST, ANY_NAME))
 
 
 def _no_number(key: str) -> InputError:
