@@ -15,7 +15,7 @@ from chromanoise.color import chart_training, cielab, colored, lmmse
 from chromanoise.imaging import bilinear_filters, demosaicked
 from chromanoise.metrics import matrix_report, visual_noise_of_picture
 from chromanoise.noise import expected_electrons, saturating_exposure, with_noise
-from chromanoise.sensor import Mosaic, Pixel, bayer, crosstalk_of_share, with_crosstalk, with_pixel
+from chromanoise.sensor import Mosaic, bayer, crosstalk_of_share, with_crosstalk, with_pixel
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,
@@ -44,9 +44,11 @@ from outcomes import refused_input
 from strategies import (
     EXPOSURE,
     GRID,
+    RGB,
     bell_qe,
     pixel_with,
     point_of,
+    rgb_sensor,
     sensor_of,
     sensors,
     white_channel,
@@ -55,15 +57,10 @@ from strategies import (
 LAMP = equal_energy(GRID)
 
 
-def point_of(sensor, exposure=EXPOSURE, lux=10.0):
-    lamp = equal_energy(sensor.grid)
-    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
-
-
 def merits_at(sensor, *, exposure=EXPOSURE, lux=10.0, metric="quanta", method="kernel", **more):
     maker = matrix_makers([method], metric, prior="chart")[method]
     matrix = maker(point_of(sensor, lux, exposure=exposure))
-    white = flat_field(lamp, level_lux=lux)
+    white = flat_field(equal_energy(sensor.grid), level_lux=lux)
     analysis = analyzed(white, sensor, exposure, metric, matrix=matrix)
     return merits_of(analysis, maker=maker, **more)
 

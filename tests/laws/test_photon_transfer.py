@@ -338,12 +338,6 @@ def test_a_degenerate_table_gives_numbers_or_one_sentence(mean, variance, sample
 # files
 
 
-def file_of(tmp_path, text):
-    path = tmp_path / "t.csv"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
 ROWS = [
     (64.0, 9.25, "dark"),
     (564.5, 259.5, "light"),
