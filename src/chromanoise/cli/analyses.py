@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from chromanoise.base import InputError, json_text
+from chromanoise.base import InputError
 from chromanoise.charts import outcome_tables, pareto_table
 from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import (
@@ -25,6 +25,8 @@ from chromanoise.cli.options import (
     with_settings,
 )
 from chromanoise.cli.output import (
+    as_json,
+    as_table,
     fail_if_option,
     json_option,
     leave_if_failed,
@@ -32,7 +34,6 @@ from chromanoise.cli.output import (
     progress_of,
     refuse_taken_inputs,
     superfluous,
-    table_text,
     write_outputs,
 )
 from chromanoise.cli.terminal_tables import print_machine_readings
@@ -82,14 +83,16 @@ _NOT_COPIED = {
 }
 
 
-def print_copy(kind: str, study: Study) -> None:
-    """Print the study as TOML or as a script.
+def leave_if_copied(kind: str | None, study: Study) -> None:
+    """With ``--copy-as``, print the study as TOML or as a script, and leave.
 
     Raises
     ------
     InputError
         If an option was given that is not part of a study, or a setting changes nothing.
     """
+    if kind is None:
+        return
     context = click.get_current_context()
     for name, option in _NOT_COPIED.items():
         if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
@@ -97,6 +100,7 @@ def print_copy(kind: str, study: Study) -> None:
             raise superfluous(option, why, str(context.params[name]))
     refuse_idle(study)
     click.echo(_TEXTS[kind](study), nl=False)
+    context.exit()
 
 
 def print_run(
@@ -176,19 +180,14 @@ def analyze(
     `chromanoise catalog sensors`) or a file of QE curves in any format of `chromanoise inspect`.
     """
     study = study_of("analyze", sensors, settings, matrices=[matrix])
-    if copy_as is not None:
-        print_copy(copy_as, study)
-        return
+    leave_if_copied(copy_as, study)
     asked = conditions_of(fail_if, [JudgedResult(kind=Analyses)])
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
     (result,) = run(study, progress=progress_of_step).analyses.values()
     failed = failures_of(asked, lambda: [result.to_dict()])
     printed = json_target != "-"
     verdict = result.verdict if printed else None
-    write_outputs(
-        (table, lambda: table_text(_table(result), str(table))),
-        (json_target, lambda: json_text(result.to_dict())),
-    )
+    write_outputs(as_table(table, lambda: _table(result)), as_json(json_target, result.to_dict))
     if verdict is not None:
         _print(result, verdict, whole_notes=whole_notes)
     leave_if_failed(failed)
@@ -284,9 +283,7 @@ def compare(
     function = "compare" if second is None else "compare_map"
     settings |= {} if second is None else _second_span(second)
     study = study_of(function, sensors, settings, matrices=makers)
-    if copy_as is not None:
-        print_copy(copy_as, study)
-        return
+    leave_if_copied(copy_as, study)
     kind = Comparison if second is None else ComparisonMap
     judged = JudgedResult(kind=kind, quantity=study.sweeps[0].quantity)
     asked = conditions_of(fail_if, [judged])
@@ -295,10 +292,7 @@ def compare(
     result: Comparison | ComparisonMap
     (result,) = results.maps if second is not None else results.sweeps
     failed = failures_of(asked, lambda: [result.to_dict()])
-    write_outputs(
-        (table, lambda: table_text(result.to_table(), str(table))),
-        (json_target, lambda: json_text(result.to_dict())),
-    )
+    write_outputs(as_table(table, result.to_table), as_json(json_target, result.to_dict))
     if json_target != "-":
         fixed = conditions(result.points)
         print_lines(result.shown_sentences)
@@ -386,9 +380,7 @@ def matrix(
     study = study_of(
         "matrix", [sensor], {**settings, **_span_of_matrix(weights)}, matrices=[matrix]
     )
-    if copy_as is not None:
-        print_copy(copy_as, study)
-        return
+    leave_if_copied(copy_as, study)
     asked = conditions_of(fail_if, [JudgedResult(kind=MatrixResult)])
     targets = {"--export": export, "--json": json_target, "--table": table}
     refuse_taken_inputs(targets, [sensor], settings)
@@ -399,8 +391,8 @@ def matrix(
     failed = failures_of(asked, lambda: [result.to_dict()])
     write_outputs(
         (export, lambda: "" if writer is None else writer(result.made)),
-        (table, lambda: table_text(result.to_table(), str(table))),
-        (json_target, lambda: json_text(result.to_dict())),
+        as_table(table, result.to_table),
+        as_json(json_target, result.to_dict),
     )
     if json_target != "-":
         print_lines(results.sentences)

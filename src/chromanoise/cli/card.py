@@ -7,7 +7,7 @@ import click
 
 from chromanoise.base import InputError, write_whole
 from chromanoise.charts import PAPERS_IN, Paper, card_ending, card_of, shown
-from chromanoise.cli.options import command, matrix_option, with_settings
+from chromanoise.cli.options import command, matrix_option, out_option, with_settings
 from chromanoise.cli.output import refuse_taken_inputs, refuse_unwritable_file
 from chromanoise.study import study_of
 
@@ -16,12 +16,10 @@ from chromanoise.study import study_of
 @with_settings("card")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @matrix_option
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path),
+@out_option(
+    "Output file: FILE.pdf, .svg, .png or .html. An existing file is replaced.",
     required=True,
-    help="Output file: FILE.pdf, .svg, .png or .html. An existing file is replaced.",
+    heading="",
 )
 @click.option(
     "--paper",

@@ -8,9 +8,9 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from chromanoise.base import InputError, json_text
-from chromanoise.cli.options import command
-from chromanoise.cli.output import json_option, write_outputs
+from chromanoise.base import InputError
+from chromanoise.cli.options import PATH, command
+from chromanoise.cli.output import as_json, json_option, write_outputs
 from chromanoise.study import (
     KINDS,
     Entry,
@@ -28,7 +28,7 @@ _WIDTH = 100
 @click.argument("word", required=False, metavar="[KIND|NAME]")
 @click.option(
     "--folder",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="Folder of your own tables, instead of CHROMANOISE_CATALOG.",
 )
 @click.option(
@@ -57,7 +57,7 @@ def catalog(
         else catalog_entries(word, folder=folder)
     )
     write_outputs(
-        (json_target, lambda: json_text(entries_as_json(entries))),
+        as_json(json_target, lambda: entries_as_json(entries)),
         (markdown, lambda: as_markdown(entries)),
     )
     if "-" in (json_target, markdown):

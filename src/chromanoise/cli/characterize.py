@@ -22,7 +22,14 @@ from chromanoise.apps.camera import (
     variance_through_file,
 )
 from chromanoise.base import OWN_FILES, InputError, plain, refuse_unwritable, true_path
-from chromanoise.cli.options import WHOLE, Decorated as Command, command, notes_option, own_option
+from chromanoise.cli.options import (
+    WHOLE,
+    Decorated as Command,
+    command,
+    notes_option,
+    out_option,
+    own_option,
+)
 from chromanoise.cli.output import (
     fail_if_option,
     json_option,
@@ -41,12 +48,7 @@ from chromanoise.study import JudgedResult, conditions_of, failures_of
 
 @command()
 @click.argument("frames", nargs=-1, required=True, metavar="FOLDER|FILES")
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path),
-    help="Folder for pixel.toml, data sheets, noise profiles, tables and report.html.",
-)
+@out_option("Folder for pixel.toml, data sheets, noise profiles, tables and report.html.")
 @click.option(
     "--resume",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -254,14 +256,7 @@ _NUMBERS: tuple[tuple[str, click.ParamType | type, Any, str], ...] = (
 
 
 @command()
-@own_option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path),
-    required=True,
-    heading="Output",
-    help="Folder for the frames, capture.toml and truth.toml.",
-)
+@out_option("Folder for the frames, capture.toml and truth.toml.", required=True)
 @own_option(
     "--mosaic",
     metavar="NAME|ROWS",

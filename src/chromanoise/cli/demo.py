@@ -22,8 +22,8 @@ from chromanoise.apps.paper import (
 from chromanoise.base import __version__, refuse_unwritable, whole_folder
 from chromanoise.charts import shown, write_figures
 from chromanoise.cli import terminal_tables
-from chromanoise.cli.options import WHOLE, command
-from chromanoise.cli.output import progress_of, write_json
+from chromanoise.cli.options import WHOLE, command, out_option
+from chromanoise.cli.output import json_option, progress_of, write_json
 from chromanoise.imaging import Picture, write_png
 from chromanoise.spectra import METRICS, Metric
 from chromanoise.study import study_from_text
@@ -48,14 +48,7 @@ cube = "builtin:checker"
 
 
 @command()
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("out/demo"),
-    show_default=True,
-    help="Folder for the page, the figures, the pictures and the tables.",
-)
+@out_option("Folder for the page, the figures, the pictures and the tables.", default="out/demo")
 def demo(out: Path) -> None:
     """All results of the paper: tables, conclusion, pictures and figures on one page.
 
@@ -113,8 +106,8 @@ def _report(pictures: tuple[Picture, Picture]) -> str:
     help="Unit in which spectra are vectors.",
 )
 @click.option("--clip", is_flag=True, help="Clip each draw between 0 and full well.")
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the ten figures.")
-@click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
+@out_option("Folder for the ten figures.")
+@json_option
 def reproduce(
     draws: int, seed: int, metric: Metric, clip: bool, out: Path | None, json_target: str | None
 ) -> None:

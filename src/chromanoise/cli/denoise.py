@@ -24,7 +24,6 @@ from chromanoise.base import (
     InputError,
     __version__,
     check,
-    json_text,
     refuse_unwritable,
     renamed,
     whole_folder,
@@ -34,11 +33,14 @@ from chromanoise.cli.options import (
     RenamedOption,
     command,
     matrix_option,
+    out_option,
     own_option,
     pair,
+    threads_option,
     with_settings,
 )
 from chromanoise.cli.output import (
+    as_json,
     json_option,
     print_lines,
     progress_of,
@@ -136,21 +138,8 @@ from chromanoise.study import (
     type=click.Choice(list(DUMP_TYPES)),
     help="Type of the codes of a raw dump; uint16 is little-endian. [default: uint16]",
 )
-@own_option(
-    "--threads",
-    type=WHOLE,
-    common=False,
-    help="Number of threads. [default: one per core]",
-)
-@own_option(
-    "-o",
-    "--out",
-    heading="Output",
-    type=click.Path(path_type=Path),
-    default=Path("out/denoise"),
-    show_default=True,
-    help="Folder for the pictures and summary.json.",
-)
+@threads_option
+@out_option("Folder for the pictures and summary.json.", default="out/denoise")
 def denoise(
     pictures: tuple[str, ...],
     sensor: str | None,
@@ -261,9 +250,7 @@ def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
 )
 @click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the noise.")
 @click.option("--processes", type=WHOLE, default=1, show_default=True, help="Number of processes.")
-@click.option(
-    "-o", "--out", type=click.Path(path_type=Path), help="Folder for the report and its pictures."
-)
+@out_option("Folder for the report and its pictures.")
 @json_option
 def denoise_bench(
     cubes: tuple[str, ...],
@@ -319,7 +306,7 @@ def denoise_bench(
         from chromanoise.web import write_denoising_report
 
         write_denoising_report(cells, out)
-    write_outputs((json_target, lambda: json_text(_record(cells))))
+    write_outputs(as_json(json_target, lambda: _record(cells)))
     if json_target != "-":
         print_lines([*markdown_table(cells).splitlines(), "", *verdict_sentences(cells)])
 

@@ -11,24 +11,27 @@ import click
 import numpy as np
 
 from chromanoise.apps.design import DEFAULT_OBJECTIVES, OBJECTIVES, half_widths, sensitivity_of
-from chromanoise.base import InputError, json_text
+from chromanoise.base import InputError
 from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import (
+    PATH,
     WHOLE,
     command,
     matrix_option,
     notes_option,
+    out_option,
     own_option,
     table_option,
     with_settings,
 )
 from chromanoise.cli.output import (
+    as_json,
+    as_table,
     duration,
     json_option,
     print_lines,
     refuse_inputs,
     refuse_taken_inputs,
-    table_text,
     write_outputs,
 )
 from chromanoise.io import Column, Table, head
@@ -45,7 +48,7 @@ _SHOWN = 8  # members in the table on the terminal, in addition to extremes and 
 
 
 @command()
-@click.argument("design", type=click.Path(path_type=Path))
+@click.argument("design", type=PATH)
 @click.option("--budget", type=WHOLE, help="Sensors to evaluate. [default: design.budget]")
 @click.option("--seed", type=WHOLE, help="Seed of the random numbers. [default: design.seed]")
 @click.option("--resume", is_flag=True, help="Continue the stopped search in the output folder.")
@@ -54,12 +57,7 @@ _SHOWN = 8  # members in the table on the terminal, in addition to extremes and 
     metavar="ADDRESS|local",
     help="Evaluate on a dask cluster, with the same result.",
 )
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path),
-    help="Output folder. [default: out/<name of DESIGN>]",
-)
+@out_option("Output folder. [default: out/<name of DESIGN>]")
 @json_option
 def optimize(
     design: Path,
@@ -91,7 +89,7 @@ def optimize(
             evaluate_on=evaluate_on,
             progress=_reporter(document.design.objectives),
         )
-    write_outputs((json_target, lambda: json_text(found.to_dict())))
+    write_outputs(as_json(json_target, found.to_dict))
     if json_target != "-":
         _print_design(found, folder)
 
@@ -274,10 +272,7 @@ def sensitivity(
         seed=seed,
         keep_matrix=keep_matrix,
     )
-    write_outputs(
-        (table, lambda: table_text(result.to_table(), str(table))),
-        (json_target, lambda: json_text(result.to_dict())),
-    )
+    write_outputs(as_table(table, result.to_table), as_json(json_target, result.to_dict))
     if json_target != "-":
         print_lines(result.sentences)
         for part in _parts(result.to_table(), effects=2 + len(result.objectives)):

@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from chromanoise.base import InputError, Setting, among, write_whole
-from chromanoise.cli.options import answering, answers_of, command, of_one_file
+from chromanoise.cli.options import PATH, answering, answers_of, command, of_one_file
 from chromanoise.cli.output import options_text, refuse_inputs, superfluous, write_json
 from chromanoise.io import read_curves, sensor_data, sensor_json, spectra_json
 from chromanoise.io.spectra import (
@@ -46,7 +46,7 @@ _ENDINGS = (".csv", ".json", ".spdx")
 
 @command()
 @click.argument("source", metavar="IN")
-@click.argument("target", metavar="OUT", type=click.Path(path_type=Path))
+@click.argument("target", metavar="OUT", type=PATH)
 @answering
 @click.option(
     "--as",
@@ -231,7 +231,7 @@ _MOST_NAMES = 12
 
 
 @command()
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=PATH)
 @answering
 @of_one_file
 @click.option(

@@ -4,13 +4,14 @@ from typing import Any
 
 import click
 
-from chromanoise.base import InputError, json_text
+from chromanoise.base import InputError
 from chromanoise.cli.options import command, own_option, table_option, with_settings
 from chromanoise.cli.output import (
+    as_json,
+    as_table,
     json_option,
     print_lines,
     refuse_taken_inputs,
-    table_text,
     write_outputs,
 )
 from chromanoise.cli.terminal_tables import print_table
@@ -60,10 +61,7 @@ def league(
         raise InputError("SENSOR", "must be given, because options of sensors are", value=given[0])
     study = study_of("league", sensors, settings) if sensors else None
     result = league_of_study(study, iso=iso, by=by)
-    write_outputs(
-        (table, lambda: table_text(result.to_table(), str(table))),
-        (json_target, lambda: json_text(result.to_dict())),
-    )
+    write_outputs(as_table(table, result.to_table), as_json(json_target, result.to_dict))
     if json_target != "-":
         print_lines(result.sentences)
         print_table(result.short_table(_SHOWN))

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields
 from functools import partial
+from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import click
@@ -440,6 +441,34 @@ def _by_channel(_: Any, __: Any, given: tuple[str, ...]) -> dict[str, str] | Non
     return found or None
 
 
+PATH = click.Path(path_type=Path)
+"""The type of a file or folder."""
+
+
+def out_option(
+    text: str, *, heading: str = "Output", **attributes: Any
+) -> Callable[[Decorated], Decorated]:
+    """The option of where a command writes, ``--out``.
+
+    Parameters
+    ----------
+    text
+        Its help.
+    heading
+        As of `Option`.
+    attributes
+        As of `Option`: ``default`` or ``required``.
+    """
+    attributes |= {"heading": heading, "show_default": True, "help": text}
+    return own_option("-o", "--out", type=PATH, **attributes)
+
+
+threads_option = own_option(
+    "--threads",
+    type=WHOLE,
+    common=False,
+    help="Number of threads. [default: one per core]",
+)
 table_option = own_option(
     "--table",
     metavar="FILE",

@@ -58,19 +58,22 @@ def leave_if_failed(sentences: Sequence[str]) -> None:
         click.get_current_context().exit(_FAILED)
 
 
-def table_text(table: Table, target: str) -> str:
-    """A table in the format given by the suffix of its file."""
-    return table_writer(Path(target))(table)
+Output = tuple[str | None, Callable[[], str]]
+"""A file, ``None`` where it is not wanted, and the function that makes its text."""
 
 
-def write_outputs(*outputs: tuple[str | None, Callable[[], str]]) -> None:
-    """Write the files of a command, all or none; ``-`` is standard output.
+def as_table(target: str | None, make: Callable[[], Table]) -> Output:
+    """The output of a table, in the format given by the suffix of its file."""
+    return target, lambda: table_writer(Path(str(target)))(make())
 
-    Parameters
-    ----------
-    outputs
-        The file, ``None`` where it is not wanted, and the function that makes its text.
-    """
+
+def as_json(target: str | None, make: Callable[[], Mapping[str, Any]]) -> Output:
+    """The output of a record as JSON."""
+    return target, lambda: json_text(make())
+
+
+def write_outputs(*outputs: Output) -> None:
+    """Write the files of a command, all or none; ``-`` is standard output."""
     texts = {target: make() for target, make in outputs if target is not None}
     files = {Path(name): text.encode("utf-8") for name, text in texts.items() if name != "-"}
     write_all_whole(files)
@@ -78,9 +81,9 @@ def write_outputs(*outputs: tuple[str | None, Callable[[], str]]) -> None:
         click.echo(texts["-"], nl=False)
 
 
-def write_json(data: dict[str, Any], target: str) -> None:
+def write_json(data: Mapping[str, Any], target: str) -> None:
     """Write JSON to a file atomically, or to standard output if ``target`` is ``-``."""
-    write_outputs((target, lambda: json_text(data)))
+    write_outputs(as_json(target, lambda: data))
 
 
 def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from chromanoise.base import InputError
-from chromanoise.cli.options import command
+from chromanoise.cli.options import PATH, command
 
 if TYPE_CHECKING:
     from uvicorn import Server
 
 
 @command()
-@click.argument("study", required=False, type=click.Path(path_type=Path))
+@click.argument("study", required=False, type=PATH)
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--front",
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="Show the front of a design: the front.json of `chromanoise optimize`.",
 )
 @click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")

@@ -10,14 +10,16 @@ from typing import Any
 import click
 
 from chromanoise.base import __version__, claimed_folder, refuse_unwritable
-from chromanoise.cli.analyses import print_copy
+from chromanoise.cli.analyses import leave_if_copied
 from chromanoise.cli.options import (
     WHOLE,
     command,
     copy_option,
     matrix_option,
     notes_option,
+    out_option,
     own_option,
+    threads_option,
     with_settings,
 )
 from chromanoise.cli.output import progress_of, write_json
@@ -50,12 +52,7 @@ from chromanoise.study import (
     help="A name of `chromanoise catalog sensors`, or a file; repeatable.",
 )
 @matrix_option
-@own_option(
-    "--threads",
-    type=WHOLE,
-    common=False,
-    help="Number of threads. [default: one per core]",
-)
+@threads_option
 @own_option(
     "--tile",
     type=WHOLE,
@@ -68,15 +65,7 @@ from chromanoise.study import (
     metavar="ADDRESS|local",
     help="Compute on a dask cluster; the result is bit-identical.",
 )
-@own_option(
-    "-o",
-    "--out",
-    heading="Output",
-    type=click.Path(path_type=Path),
-    default=Path("out/simulate"),
-    show_default=True,
-    help="Folder for the pictures and summary.json.",
-)
+@out_option("Folder for the pictures and summary.json.", default="out/simulate")
 @notes_option
 @copy_option
 def simulate(
@@ -100,9 +89,7 @@ def simulate(
     arguments is refused.
     """
     study = study_of("render", sensors, settings, matrices=[matrix], cube=cube)
-    if copy_as is not None:
-        print_copy(copy_as, study)
-        return
+    leave_if_copied(copy_as, study)
     refuse_unwritable(out)
     refuse_other_pictures(study, out)
     work = Work(threads=threads, tile_rows=tile)

@@ -17,8 +17,9 @@ from chromanoise.base import (
 )
 from chromanoise.charts import shown
 from chromanoise.cli.analyses import print_run
-from chromanoise.cli.options import WHOLE, command
+from chromanoise.cli.options import PATH, WHOLE, command, out_option
 from chromanoise.cli.output import (
+    as_json,
     fail_if_option,
     json_option,
     leave_if_failed,
@@ -43,24 +44,23 @@ from chromanoise.study import (
 from chromanoise.web import sights_of, study_report
 
 _MOST_ROWS = 20
-
-
-@command()
-@click.argument("study", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path),
-    help="Output folder. [default: out/<name of STUDY>]",
-)
-@click.option(
+_changes = click.option(
     "--set",
     "changes",
     multiple=True,
     metavar="KEY=VALUE",
     help="Change one value, e.g. light.level_lux=3 or sensors.0.name=onyx-rgb; repeatable.",
 )
-@click.option("--threads", type=WHOLE, help="Threads for pictures. [default: one per core]")
+_threads = click.option(
+    "--threads", type=WHOLE, help="Threads for pictures. [default: one per core]"
+)
+
+
+@command()
+@click.argument("study", type=PATH)
+@out_option("Output folder. [default: out/<name of STUDY>]")
+@_changes
+@_threads
 @fail_if_option
 def run(
     study: Path,
@@ -86,9 +86,9 @@ def run(
 
 
 @command()
-@click.argument("output", type=click.Path(path_type=Path))
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
-@click.option("--threads", type=WHOLE, help="Threads for pictures. [default: one per core]")
+@click.argument("output", type=PATH)
+@out_option("Output folder.", required=True)
+@_threads
 def rerun(output: Path, out: Path, threads: int | None) -> None:
     """Run the study of OUTPUT again, into another folder, and compare the results.
 
@@ -113,8 +113,8 @@ def rerun(output: Path, out: Path, threads: int | None) -> None:
 
 
 @command()
-@click.argument("first", type=click.Path(path_type=Path))
-@click.argument("second", type=click.Path(path_type=Path))
+@click.argument("first", type=PATH)
+@click.argument("second", type=PATH)
 @json_option
 def diff(first: Path, second: Path, json_target: str | None) -> None:
     """Which inputs, settings and numbers of two outputs differ, by size.
@@ -126,7 +126,7 @@ def diff(first: Path, second: Path, json_target: str | None) -> None:
     """
     refuse_inputs(json_target, "--json", str(first), str(second))
     found = differences_of(first, second)
-    write_outputs((json_target, lambda: json_text(found.to_dict())))
+    write_outputs(as_json(json_target, found.to_dict))
     if json_target != "-":
         print_lines(found.causes())
         table = found.to_table()
@@ -156,7 +156,7 @@ def study(schema: bool) -> None:
 
 
 @command()
-@click.argument("study", required=False, type=click.Path(path_type=Path))
+@click.argument("study", required=False, type=PATH)
 @click.option("--design", is_flag=True, help="Write a design for `chromanoise optimize` instead.")
 def init(study: Path | None, design: bool) -> None:
     """Write a commented starter file STUDY [default: study.toml; with --design design.toml]."""
@@ -175,26 +175,14 @@ def init(study: Path | None, design: bool) -> None:
 
 
 @command()
-@click.argument("study", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("report.html"),
-    show_default=True,
-    help="Output file. An existing report.html that this command did not write is replaced only if "
+@click.argument("study", type=PATH)
+@out_option(
+    "Output file. An existing report.html that this command did not write is replaced only if "
     "--out names it.",
+    default="report.html",
 )
-@click.option(
-    "--set",
-    "changes",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="Change one value, e.g. light.level_lux=3 or sensors.0.name=onyx-rgb; repeatable.",
-)
-@click.option(
-    "--figures", type=click.Path(path_type=Path), help="Folder for the figures as SVG and PDF."
-)
+@_changes
+@click.option("--figures", type=PATH, help="Folder for the figures as SVG and PDF.")
 def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | None) -> None:
     """Write STUDY as one self-contained HTML file: charts, tables, equations, sliders.
 
