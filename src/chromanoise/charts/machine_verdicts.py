@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
+from chromanoise.io import Column, Table
 from chromanoise.spectra import chart_on, chart_title
 from chromanoise.study import (
     BRIGHT,
@@ -119,12 +119,31 @@ _ABOUT = {"spectrum": "spectrum", "visible": "visible light"}
 _HEADS = ("raw", "color", "raw, no brightness", "color, no brightness")
 
 
-def machine_tables(readings: Sequence[MachineReading]) -> list[dict[str, Any]]:
-    """Tables of distances, contrast detection and information, with ``title`` and ``note``."""
+def machine_tables(readings: Sequence[MachineReading]) -> list[Table]:
+    """Tables of distances, contrast detection and information."""
     return [_separations(readings), _contrasts(readings), _information(readings)]
 
 
-def _separations(readings: Sequence[MachineReading]) -> dict[str, Any]:
+def _table(
+    title: str,
+    texts: Sequence[str],
+    numbers: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    note: str,
+) -> Table:
+    """A table of texts: first the columns of ``texts``, then those of ``numbers``."""
+    return Table(
+        title=title,
+        columns=(
+            *(Column(name=name) for name in texts),
+            *(Column(name=name, digits=".3g") for name in numbers),
+        ),
+        rows=tuple(map(tuple, rows)),
+        notes=(note,),
+    )
+
+
+def _separations(readings: Sequence[MachineReading]) -> Table:
     rows: list[list[str]] = []
     for reading in readings:
         found = reading.separation
@@ -137,17 +156,18 @@ def _separations(readings: Sequence[MachineReading]) -> dict[str, Any]:
         at, names = found.worst, found.pairs.names[found.worst]
         worst = [(found.distance[n][at], found.probability[n][at]) for n in READINGS]
         rows.append(["", f"worst: {names[0]} / {names[1]}", *map(_distance, worst)])
-    return {
-        "title": "Distance of patches for a machine (probability)",
-        "head": ["sensor", "pairs", *_HEADS],
-        "rows": rows,
-        "note": "Distance of two patches in units of their noise (Mahalanobis), for an ideal "
+    return _table(
+        "Distance of patches for a machine (probability)",
+        ("sensor", "pairs"),
+        _HEADS,
+        rows,
+        "Distance of two patches in units of their noise (Mahalanobis), for an ideal "
         "reader of one pixel; in parentheses the probability that it names the right one of the "
         "two (0.5 is chance). Medians of distances and of probabilities are taken separately.",
-    }
+    )
 
 
-def _contrasts(readings: Sequence[MachineReading]) -> dict[str, Any]:
+def _contrasts(readings: Sequence[MachineReading]) -> Table:
     rows = []
     for reading in readings:
         found = reading.contrast
@@ -158,18 +178,19 @@ def _contrasts(readings: Sequence[MachineReading]) -> dict[str, Any]:
         luminance = "" if math.isnan(found.luminance) else f"{found.luminance:.3f}"
         level = "none" if math.isnan(found.level_lux) else f"{found.level_lux:.3g}"
         rows.append([reading.label, channels, luminance, level])
-    return {
-        "title": "Contrast detection probability for a machine (CDP)",
-        "head": ["sensor", "raw channels", "Y", f"least lux for CDP {TARGET:g}"],
-        "rows": rows,
-        "note": f"Grays of {100 * BRIGHT:g} and {100 * DARK:g} % on one pixel each: the share of "
+    return _table(
+        "Contrast detection probability for a machine (CDP)",
+        ("sensor", "raw channels"),
+        ("Y", f"least lux for CDP {TARGET:g}"),
+        rows,
+        f"Grays of {100 * BRIGHT:g} and {100 * DARK:g} % on one pixel each: the share of "
         f"readings whose Weber contrast is within {100 * TOLERANCE:g} % of the true one (idea of "
         "IEEE P2020). Y has none where a channel has fewer than 200 electrons. The last column is "
         "for the best raw channel, with the time kept.",
-    }
+    )
 
 
-def _information(readings: Sequence[MachineReading]) -> dict[str, Any]:
+def _information(readings: Sequence[MachineReading]) -> Table:
     every = [name for reading in readings for one in reading.information for name in one.bits]
     steps = list(dict.fromkeys(every))
     rows = []
@@ -180,13 +201,14 @@ def _information(readings: Sequence[MachineReading]) -> dict[str, Any]:
             bits = [f"{float(one.bits[n]):.2f}" if n in one.bits else "" for n in steps]
             rows.append([reading.label, _ABOUT[one.about], *bits])
     source = next((one.prior for reading in readings for one in reading.information), "none")
-    return {
-        "title": "Information for a machine [bit per pixel]",
-        "head": ["sensor", "about", *steps],
-        "rows": rows,
-        "note": f"Least information about reflectances ({source}) that is left after each step, "
+    return _table(
+        "Information for a machine [bit per pixel]",
+        ("sensor", "about"),
+        steps,
+        rows,
+        f"Least information about reflectances ({source}) that is left after each step, "
         "for a linear reader of one pixel of each channel.",
-    }
+    )
 
 
 def _distance(value: tuple[float, float]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from chromanoise.base import Array, Float
 from chromanoise.charts.budget_chart import cause_label
 from chromanoise.color import ParetoCurve
-from chromanoise.io import Column, Entry, Table, number_text
+from chromanoise.io import Column, Entry, Table, number_text, table_of
 from chromanoise.metrics import Budget, MatrixReport
 from chromanoise.noise import OperatingPoint, conditions
 from chromanoise.spectra import DEFAULT_OBSERVER, chart_title
@@ -263,23 +263,13 @@ def gray_table(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None])
 
 def merits_table(point: OperatingPoint, merits: Merits) -> Table:
     """All figures of merit of one sensor with their sources, and why values are missing."""
-    return Table(
-        title=f"Figures of merit of {merits.sensor} at {conditions([point])}, {merits.matrix}",
-        columns=(
-            Column(name="figure of merit"),
-            Column(name="value", digits=".4g"),
-            Column(name="unit"),
-            Column(name="from"),
-        ),
-        rows=tuple(
-            (
-                one.what,
-                number_text(one.value, ".4g"),
-                "" if one.unit == "1" else one.unit,
-                one.source,
-            )
-            for one in merits.entries
-        ),
+    return table_of(
+        f"Figures of merit of {merits.sensor} at {conditions([point])}, {merits.matrix}",
+        merits.entries,
+        ("figure of merit", "", "", lambda one: one.what),
+        ("value", "", ".4g", lambda one: number_text(one.value, ".4g")),
+        ("unit", "", "", lambda one: "" if one.unit == "1" else one.unit),
+        ("from", "", "", lambda one: one.source),
         notes=(*_reasons(merits), _remark(merits)),
     )
 
@@ -307,29 +297,17 @@ def _remark(merits: Merits) -> str:
 def pareto_table(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> Table:
     """Training error against noise, one row per weight of the noise."""
     snr = white_snr_db(curve, report)
-    rows: list[tuple[Entry, ...]] = []
-    for i, weight in enumerate(curve.weight.tolist()):
-        rows.append(
-            (
-                f"{weight:.4g}",
-                float(curve.color_error_rms[i]),
-                number_text(curve.delta_e[i]),
-                float(curve.noise_rms[i]),
-                "saturated" if report.snr_db is None else number_text(snr[i]),
-                _NAMED_WEIGHTS.get(round(weight, 12), ""),
-            )
-        )
-    return Table(
-        title=f"Training error against noise of {sensor_name}",
-        columns=(
-            Column(name="weight", digits=".4g"),
-            Column(name="training error rms", unit="lx", digits=".4g"),
-            Column(name="training error", unit=_DELTA_E, digits=".2f"),
-            Column(name="noise rms", unit="lx", digits=".4g"),
-            Column(name="SNR Y", unit="dB", digits=".2f"),
-            Column(name="name"),
-        ),
-        rows=tuple(rows),
+    weights = curve.weight.tolist()
+    is_full = report.snr_db is None
+    return table_of(
+        f"Training error against noise of {sensor_name}",
+        range(len(weights)),
+        ("weight", "", ".4g", lambda i: f"{weights[i]:.4g}"),
+        ("training error rms", "lx", ".4g", lambda i: curve.color_error_rms[i]),
+        ("training error", _DELTA_E, ".2f", lambda i: number_text(curve.delta_e[i])),
+        ("noise rms", "lx", ".4g", lambda i: curve.noise_rms[i]),
+        ("SNR Y", "dB", ".2f", lambda i: "saturated" if is_full else number_text(snr[i])),
+        ("name", "", "", lambda i: _NAMED_WEIGHTS.get(round(weights[i], 12), "")),
         notes=(
             "Training errors and noise are means over the spectra of the prior, X, Y and Z "
             "together; the color error of a matrix is a mean over the patches of the chart. SNR "

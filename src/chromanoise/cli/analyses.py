@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from chromanoise.base import InputError
-from chromanoise.charts import outcome_tables, pareto_table
+from chromanoise.charts import machine_tables, outcome_tables, pareto_table
 from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import (
     RenamedOption,
@@ -36,7 +36,6 @@ from chromanoise.cli.output import (
     superfluous,
     write_outputs,
 )
-from chromanoise.cli.terminal_tables import print_machine_readings
 from chromanoise.imaging import Work
 from chromanoise.io import Table, matrix_writer
 from chromanoise.noise import conditions
@@ -210,7 +209,8 @@ def _print(result: Analyses, verdict: Verdict, *, whole_notes: bool) -> None:
         terminal_tables.print_table(table)
     readings = [one.machine for one in result.outcomes if one.machine is not None]
     if readings:
-        print_machine_readings(readings)
+        for table in machine_tables(readings):
+            terminal_tables.print_table(table)
     print_lines(one.text for one in verdict.details)
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.table import Table as Grid
 
 from chromanoise.apps.camera import (
     FRAME_FORMATS,
@@ -40,7 +39,7 @@ from chromanoise.cli.output import (
     terminal,
     write_json,
 )
-from chromanoise.cli.terminal_tables import print_notes
+from chromanoise.cli.terminal_tables import empty_table, print_notes
 from chromanoise.io.frames import FrameSet, RawFrame
 from chromanoise.sensor import PhotonTransfer
 from chromanoise.study import JudgedResult, conditions_of, failures_of
@@ -172,11 +171,8 @@ def _print(result: Characterization, *, whole_notes: bool) -> None:
             *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in verdict.sentences),
         ]
     )
-    grid = Grid(title=f"Noise of {result.camera or result.source} (EMVA 1288)")
-    grid.title_justify = "left"
-    grid.add_column("")
-    for plane in result.planes:
-        grid.add_column(plane.name, justify="right")
+    title = f"Noise of {result.camera or result.source} (EMVA 1288)"
+    grid = empty_table(title, ("",), [plane.name for plane in result.planes])
     for quantity in QUANTITIES:
         cells = [_cell(*quantity.shown(plane)) for plane in result.planes]
         if any(cell != "-" for cell in cells):

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -19,10 +20,10 @@ from chromanoise.apps.paper import (
     table_5_finding,
     verdict,
 )
-from chromanoise.charts import machine_tables, matrices_in_words
+from chromanoise.charts import matrices_in_words
 from chromanoise.cli.output import print_lines, terminal
 from chromanoise.color import ColorMatrix
-from chromanoise.io import Table as Rows, head as heading, number_text, written
+from chromanoise.io import Table as Rows, head as heading, number_text, written_rows
 from chromanoise.metrics import MatrixReport
 from chromanoise.study import (
     MOST_CROSSED_SENSORS,
@@ -31,7 +32,6 @@ from chromanoise.study import (
     Analysis,
     CrossoverBand,
     Curve,
-    MachineReading,
     QuantityMap,
     Rank,
     band_sentence,
@@ -91,11 +91,25 @@ def print_table(table: Rows, *, width: int | None = None) -> None:
             overflow="fold",
             no_wrap=i == 0,
         )
-    for row in table.rows:
-        cells = zip(row, table.columns, strict=True)
-        shown.add_row(*(written(cell, column.digits) for cell, column in cells))
+    for row in written_rows(table):
+        shown.add_row(*row)
     console.print(shown, width=min(width or console.width, console.width))
     print_lines(table.notes)
+
+
+def empty_table(title: str, texts: Sequence[str], numbers: Sequence[str], **look: Any) -> Table:
+    """A table without rows: columns of texts, then columns of numbers.
+
+    Parameters
+    ----------
+    look
+        As of ``add_column`` of rich.
+    """
+    table = Table(title=title, title_justify="left")
+    for heads, justify in ((texts, "left"), (numbers, "right")):
+        for head in heads:
+            table.add_column(head, justify=justify, **look)  # type: ignore[arg-type]
+    return table
 
 
 def print_conditions(text: str) -> None:
@@ -163,32 +177,24 @@ def print_analyses(analyses: Iterable[Analysis], *, whole_notes: bool = False) -
     console = terminal()
     analyses = tuple(analyses)
     metric = metric_of(analyses)
-    channels = Table(title=f"Channels (eq. 1-3, 7; {metric})", title_justify="left")
-    for head in ("sensor", "channel", "electrons", "raw SNR dB", "contravariant SNR dB", "VIF"):
-        left = head in ("sensor", "channel")
-        channels.add_column(head, justify="left" if left else "right", overflow="fold")
+    channels = empty_table(
+        f"Channels (eq. 1-3, 7; {metric})",
+        ("sensor", "channel"),
+        ("electrons", "raw SNR dB", "contravariant SNR dB", "VIF"),
+        overflow="fold",
+    )
     for head in ("to x deg", "to y deg", "to z deg"):
         channels.add_column(head, justify="right")
-    color = Table(
-        title=f"Spectrum and color (eq. 4-6; {metric}); matrix: {matrices_in_words(analyses)}; "
+    color = empty_table(
+        f"Spectrum and color (eq. 4-6; {metric}); matrix: {matrices_in_words(analyses)}; "
         "color errors: mean Delta E*ab over the chart",
-        title_justify="left",
+        ("sensor",),
+        (
+            *("time ms", "spectral SNR dB", "X dB", "Y dB", "Z dB", "bound dB"),
+            *("color SNR loss dB", "condition of channels", "color error", "visual noise"),
+        ),
+        overflow="fold",
     )
-    for head in (
-        "sensor",
-        "time ms",
-        "spectral SNR dB",
-        "X dB",
-        "Y dB",
-        "Z dB",
-        "bound dB",
-        "color SNR loss dB",
-        "condition of channels",
-        "color error",
-        "visual noise",
-    ):
-        left = head == "sensor"
-        color.add_column(head, justify="left" if left else "right", overflow="fold")
     notes: list[Note] = []
     for analysis in analyses:
         _add_channels(channels, analysis)
@@ -311,13 +317,10 @@ def _curve_cell(curve: Curve, i: int) -> str:
 def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> None:
     """Print the matrix in lx/e-, then its color error and noise."""
     console = terminal()
-    table = Table(title=f"{sensor_name}, {report.made_by} [lx/e-]", title_justify="left")
-    table.add_column("")
     heads, rows, numbers = matrix.channels, matrix.coordinates, matrix.matrix
     if len(heads) > _WIDE:  # transposed, so that no column is cut
         heads, rows, numbers = rows, heads, numbers.T
-    for head in heads:
-        table.add_column(head, justify="right")
+    table = empty_table(f"{sensor_name}, {report.made_by} [lx/e-]", ("",), heads)
     for name, row in zip(rows, numbers, strict=True):
         table.add_row(name, *(f"{value:.6g}" for value in row))
     console.print(table)
@@ -395,10 +398,7 @@ def _angles(analysis: Analysis) -> str:
 
 def _paper_table(laid_out: PaperTable) -> Table:
     title = f"{laid_out.title}  (printed | closed form | Monte Carlo)"
-    table = Table(title=title, title_justify="left")
-    table.add_column("")
-    for column in laid_out.columns:
-        table.add_column(column, justify="right")
+    table = empty_table(title, ("",), laid_out.columns)
     for row, cells in laid_out.rows:
         table.add_row(row, *(_cell(cell) for cell in cells))
     return table
@@ -412,19 +412,3 @@ def _cell(cell: Cell | None) -> str:
         text += f" | {cell.monte_carlo:.2f} ± {cell.monte_carlo_se:.2f}"
     text += f" {cell.unit}"
     return f"{text}, {100 * cell.clipped_share:.1f} % clipped" if cell.clipped_share > 0 else text
-
-
-_TEXTS = 2  # columns of text before those of numbers
-
-
-def print_machine_readings(readings: Sequence[MachineReading]) -> None:
-    """Print distances of patches, contrast detection and information."""
-    console = terminal()
-    for one in machine_tables(readings):
-        table = Table(title=one["title"], title_justify="left")
-        for i, head in enumerate(one["head"]):
-            table.add_column(head, justify="left" if i < _TEXTS else "right")
-        for row in one["rows"]:
-            table.add_row(*row)
-        console.print(table)
-        console.print(one["note"], soft_wrap=True)

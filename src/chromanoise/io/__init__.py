@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         table_of,
         table_writer,
         written,
+        written_rows,
     )
     from chromanoise.io.sensor_files import (
         read_sensor as read_sensor,

@@ -37,7 +37,7 @@ from chromanoise.charts import (
     shown_at,
 )
 from chromanoise.imaging import Work, png_bytes
-from chromanoise.io import Table, written
+from chromanoise.io import Table, head, written_rows
 from chromanoise.noise import OperatingPoint, level_in_words
 from chromanoise.spectra import is_infrared
 from chromanoise.study import (
@@ -479,7 +479,8 @@ def _machine(of: Shown) -> list[dict[str, Any]]:
     """The tables for a machine, if it is the reader of the study."""
     if of.study.outputs.reader != "machine":
         return []
-    return machine_tables([machine_reading(analysis) for analysis in of.analyses])
+    tables = machine_tables([machine_reading(analysis) for analysis in of.analyses])
+    return list(map(table_record, tables))
 
 
 def _notes(head: dict[str, Any]) -> list[str]:
@@ -534,17 +535,10 @@ def results_of(of: Shown) -> StudyResults:
 
 def table_record(table: Table) -> dict[str, Any]:
     """A table as text: ``title``, ``head``, ``rows``, ``notes``."""
-    heads = [
-        _typeset(f"{one.name} [{one.unit}]" if one.unit else one.name) for one in table.columns
-    ]
-    digits = [column.digits for column in table.columns]
     return {
         "title": table.title,
-        "head": heads,
-        "rows": [
-            [_typeset(written(*pair)) for pair in zip(row, digits, strict=True)]
-            for row in table.rows
-        ],
+        "head": [_typeset(head(column)) for column in table.columns],
+        "rows": [[_typeset(text) for text in row] for row in written_rows(table)],
         "notes": [_typeset(note) for note in table.notes],
     }
 
