@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -61,6 +62,8 @@ from chromanoise.study import (
     write_denoised,
 )
 
+_detail_option = partial(own_option, common=False, heading="Picture")
+
 
 @command()
 @with_settings("denoise")
@@ -99,42 +102,33 @@ from chromanoise.study import (
     "RG/GB or 'R G/IR B', or none for a monochrome sensor. [default: from the file, else the "
     "sensor's own]",
 )
-@own_option(
+@_detail_option(
     "--demosaic",
-    common=False,
     type=click.Choice(list(DEMOSAICING)),
     help="Demosaicing method of the color. [default: bilinear]",
 )
-@own_option(
+@_detail_option(
     "--bits",
     type=WHOLE,
-    common=False,
     help="Bits of the codes, 8 to 16. [default: from the file, else --pixel]",
 )
-@own_option(
+@_detail_option(
     "--black-level",
-    common=False,
     type=WHOLE,
     help="Code without light. [default: from the file, else --pixel]",
 )
-@own_option(
+@_detail_option(
     "--white-level",
-    common=False,
-    heading="Picture",
     type=float,
     help="Lowest saturated code. [default: from the file, else the largest code]",
 )
-@own_option(
+@_detail_option(
     "--shape",
     metavar="ROWSxCOLUMNS",
-    common=False,
-    heading="Picture",
     help="Rows and columns of a raw dump (.raw, .bin).",
 )
-@own_option(
+@_detail_option(
     "--stored",
-    common=False,
-    heading="Picture",
     type=click.Choice(list(DUMP_TYPES)),
     help="Type of the codes of a raw dump; uint16 is little-endian. [default: uint16]",
 )

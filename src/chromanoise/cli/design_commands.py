@@ -4,6 +4,7 @@ import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 
 _REPORTED_EVERY_S = 10.0
 _WIDTH = 100  # largest width of a table
+_tolerance_option = partial(own_option, heading="Tolerances")
 _SHOWN = 8  # members in the table on the terminal, in addition to extremes and knee
 
 
@@ -184,57 +186,50 @@ def _values_table(found: "Design") -> Table:
 @with_settings("sensitivity")
 @click.argument("sensor")
 @matrix_option
-@own_option(
+@_tolerance_option(
     "--objectives",
-    heading="Tolerances",
     default=",".join(DEFAULT_OBJECTIVES),
     show_default=True,
     metavar="NAME[,NAME...]",
     help=f"Objectives: {', '.join(OBJECTIVES)}. The first one orders the table.",
 )
-@own_option(
+@_tolerance_option(
     "--loss",
     "losses",
-    heading="Tolerances",
     multiple=True,
     metavar="NAME=VALUE",
     help="Allowed loss of an objective in its unit, e.g. snr_y_db=0.1. The table then has the "
     "change of each parameter that causes it, alone and together with all others. Repeatable.",
 )
-@own_option(
+@_tolerance_option(
     "--tolerance-nm",
     type=float,
-    heading="Tolerances",
     help="Tolerance of all wavelengths, half width [nm].",
 )
-@own_option(
+@_tolerance_option(
     "--tolerance-percent",
     type=float,
-    heading="Tolerances",
     help="Tolerance of all other values, half width [%].",
 )
-@own_option(
+@_tolerance_option(
     "--draws",
     common=False,
-    heading="Tolerances",
     type=WHOLE,
     default=0,
     show_default=True,
     help="Number of random sensors within the tolerances.",
 )
-@own_option(
+@_tolerance_option(
     "--seed",
     type=WHOLE,
     default=0,
     show_default=True,
     common=False,
-    heading="Tolerances",
     help="Seed of the draws.",
 )
-@own_option(
+@_tolerance_option(
     "--keep-matrix",
     common=False,
-    heading="Tolerances",
     is_flag=True,
     help="Use the color matrix of the unchanged sensor for changed sensors (no calibration).",
 )
