@@ -1,5 +1,6 @@
 """What the tests of several commands share."""
 
+import json
 import re
 import sys
 import tomllib
@@ -9,6 +10,7 @@ import pytest
 
 from chromanoise.base.errors import InputError, errors_in
 from chromanoise.cli import entry, main
+from chromanoise.web.uploads import Uploads
 from outcomes import Outcome
 from shells.browser import address, browser, chromium, page, page_address, watch, window
 
@@ -53,6 +55,24 @@ def done(run):
         return out, err
 
     return call
+
+
+@pytest.fixture
+def result_of(done):
+    """Run a command that succeeds with ``--json -``; give back its result."""
+
+    def call(*arguments):
+        return json.loads(done(*arguments, "--json", "-")[0])
+
+    return call
+
+
+@pytest.fixture
+def uploads():
+    """A folder of files that are dropped on the page."""
+    kept = Uploads()
+    yield kept
+    kept.close()
 
 
 @pytest.fixture

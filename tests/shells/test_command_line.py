@@ -8,10 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tifffile
 from click import Context
 from matplotlib.figure import Figure
-from PIL import Image
 
 from chromanoise.base.files import OWN_FILES
 from chromanoise.charts import write_figures
@@ -35,32 +33,32 @@ demo = import_module("chromanoise.cli.demo")
 
 @pytest.fixture
 def curve_file(tmp_path):
-    """Write a two-channel QE table; keyword arguments replace single cells."""
+    """Write a two-channel QE table up to a wavelength."""
 
-    def write(name="mine.csv", start=400, stop=1050, replace=None):
+    def write(stop=1050):
         rows = ["wavelength_nm,R,G"]
-        for wavelength in range(start, stop + 1, 10):
+        for wavelength in range(400, stop + 1, 10):
             red = 0.5 if wavelength > 580 else 0.05
             green = 0.4 if 490 < wavelength < 590 else 0.1
             rows.append(f"{wavelength},{red},{green}")
-        text = "\n".join(rows)
-        for old, new in (replace or {}).items():
-            assert old in text
-            text = text.replace(old, new)
-        path = tmp_path / name
-        path.write_text(text)
+        path = tmp_path / "mine.csv"
+        path.write_text("\n".join(rows))
         return path
 
     return write
 
 
-def test_json_of_analyze_has_the_digits_of_the_library(run):
-    code, out, _ = run("analyze", "onyx-rgbw", "--time-ms", 12, "--json", "-")
-    data = json.loads(out)["sensors"][0]
+@pytest.fixture
+def analysis(result_of):
+    """Analyze a sensor; give back its part of the JSON."""
+    return lambda *arguments: result_of("analyze", *arguments)["sensors"][0]
+
+
+def test_json_of_analyze_has_the_digits_of_the_library(analysis):
+    data = analysis("onyx-rgbw", "--time-ms", 12)
     scene = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
     sensor = sensor_named("onyx-rgbw", DEFAULT_GRID)
     ours = analyzed(scene, sensor, Exposure(time_s=0.012))
-    assert code == 0
     assert [c["mean_e"] for c in data["channels"]] == ours.raw.mean.tolist()
     assert data["matrix"] == ours.matrix.matrix.tolist()
     assert data["bound_db"] == ours.optimal_linear_snr_db
@@ -69,9 +67,8 @@ def test_json_of_analyze_has_the_digits_of_the_library(run):
     )
 
 
-def test_json_of_analyze_holds_what_it_promises(run):
-    _, out, _ = run("analyze", "onyx-rgbw", "onyx-rgb-ircut", "--json", "-")
-    for sensor in json.loads(out)["sensors"]:
+def test_json_of_analyze_holds_what_it_promises(result_of):
+    for sensor in result_of("analyze", "onyx-rgbw", "onyx-rgb-ircut")["sensors"]:
         assert {"name", "channels", "color", "bound_db", "price_db", "condition", "matrix"} <= set(
             sensor
         )
@@ -87,48 +84,41 @@ def test_json_of_analyze_holds_what_it_promises(run):
             } <= set(channel)
 
 
-def test_default_time_brings_the_most_sensitive_channel_to_99_percent_of_full_well(run):
-    _, out, _ = run("analyze", "onyx-rgb-ircut", "--json", "-")
-    means = [c["mean_e"] for c in json.loads(out)["sensors"][0]["channels"]]
+def test_default_time_brings_the_most_sensitive_channel_to_99_percent_of_full_well(
+    analysis,
+):
+    means = [c["mean_e"] for c in analysis("onyx-rgb-ircut")["channels"]]
     assert max(means) == pytest.approx(9900, rel=1e-12)
 
 
-def test_a_saturated_channel_says_so_and_has_no_snr(run):
-    code, out, _ = run("analyze", "onyx-rgbw", "--lux", 1000, "--time-ms", 12, "--json", "-")
-    sensor = json.loads(out)["sensors"][0]
-    assert code == 0
+def test_a_saturated_channel_says_so_and_has_no_snr(analysis, done):
+    asked = ("onyx-rgbw", "--lux", 1000, "--time-ms", 12)
+    sensor = analysis(*asked)
     for channel in sensor["channels"]:
         assert channel["saturated"] is True
         assert channel["snr_db"] is None
     assert sensor["color"]["snr_db"]["Y"] is None
     assert any("saturated" in note for note in sensor["notes"])
-    _, out, _ = run("analyze", "onyx-rgbw", "--lux", 1000, "--time-ms", 12)
-    assert "saturated" in out
+    assert "saturated" in done("analyze", *asked)[0]
 
 
-def test_a_sensor_file_gives_its_own_channels_and_the_pixel_that_is_asked_for(run, curve_file):
+def test_a_sensor_file_gives_its_own_channels_and_the_pixel_that_is_asked_for(analysis, curve_file):
     path = curve_file()
-    _, small, _ = run("analyze", path, "--time-ms", 1, "--pitch-um", 5, "--json", "-")
-    _, large, _ = run("analyze", path, "--time-ms", 1, "--pitch-um", 10, "--json", "-")
-    electrons = [
-        np.array([c["mean_e"] for c in json.loads(text)["sensors"][0]["channels"]])
-        for text in (small, large)
-    ]
+    small, large = (analysis(path, "--time-ms", 1, "--pitch-um", pitch_um) for pitch_um in (5, 10))
+    electrons = [np.array([c["mean_e"] for c in one["channels"]]) for one in (small, large)]
     np.testing.assert_allclose(electrons[1] / electrons[0], 4.0, rtol=1e-12)
-    (note,) = [n for n in json.loads(small)["sensors"][0]["notes"] if "full well" in n]
+    (note,) = [n for n in small["notes"] if "full well" in n]
     assert "10000 e-, 10 e-" in note
     assert "pitch" not in note
 
 
-def test_a_channel_that_repeats_another_is_an_answer_with_a_diagnosis(run, tmp_path):
+def test_a_channel_that_repeats_another_is_an_answer_with_a_diagnosis(analysis, tmp_path):
     rows = [
         f"{w},{0.3 if w < 600 else 0.1},{0.3 if w < 600 else 0.1}" for w in range(400, 1051, 50)
     ]
     path = tmp_path / "twins.csv"
     path.write_text("wavelength_nm,A,B\n" + "\n".join(rows))
-    code, out, _ = run("analyze", path, "--json", "-")
-    sensor = json.loads(out)["sensors"][0]
-    assert code == 0
+    sensor = analysis(path)
     assert sensor["rank"] == 1
     assert sensor["condition"] is None
     assert [c["vif"] for c in sensor["channels"]] == [None, None]
@@ -146,41 +136,9 @@ def test_reproduce_writes_the_same_json_for_the_same_seed(run, tmp_path):
     assert {cell["table"] for cell in data["tables"]} == {2, 3, 4, 5}
 
 
-def test_simulate_writes_picture_tiff_and_summary_that_belong_together(run, tmp_path):
-    code, out, _ = run(
-        "simulate", "builtin:checker", "--sensor", "onyx-rgb-ircut", "-o", tmp_path / "o"
-    )
-    assert code == 0
-    assert "onyx-rgb-ircut.png" in out
-    xyz = tifffile.imread(tmp_path / "o" / "onyx-rgb-ircut.xyz.tiff")
-    with Image.open(tmp_path / "o" / "onyx-rgb-ircut.png") as picture:
-        assert picture.size == (xyz.shape[1], xyz.shape[0])
-    assert xyz.dtype == np.float32
-    assert xyz.shape[2] == 3
-    summary = json.loads((tmp_path / "o" / "summary.json").read_text())
-    assert summary["pictures"][0]["sensor"] == "onyx-rgb-ircut"
-    assert any("reconstruction" in note for note in summary["pictures"][0]["notes"])
-
-
-def test_the_same_seed_gives_the_same_files_and_another_seed_does_not(run, tmp_path):
-    for folder, seed in (("a", 1), ("b", 1), ("c", 2)):
-        run(
-            "simulate", "builtin:checker", "--sensor", "onyx-rgbw", "--seed", seed,
-            "-o", tmp_path / folder,
-        )  # fmt: skip
-    names = sorted(path.name for path in (tmp_path / "a").iterdir() if path.name != OWN_FILES)
-    assert names == ["onyx-rgbw.png", "onyx-rgbw.xyz.tiff", "summary.json"]
-    for name in names[:2]:
-        first, second, other = ((tmp_path / f / name).read_bytes() for f in "abc")
-        assert first == second
-        assert first != other
-
-
-def test_a_curve_that_ends_short_is_zero_beyond_if_told_so(run, curve_file):
-    path = curve_file(stop=700)
-    code, out, _ = run("analyze", path, "--beyond", "zero", "--json", "-")
-    assert code == 0
-    assert any("zero beyond 400-700 nm" in n for n in json.loads(out)["sensors"][0]["notes"])
+def test_a_curve_that_ends_short_is_zero_beyond_if_told_so(analysis, curve_file):
+    sensor = analysis(curve_file(stop=700), "--beyond", "zero")
+    assert any("zero beyond 400-700 nm" in note for note in sensor["notes"])
 
 
 def test_demo_writes_one_page_that_needs_nothing_from_elsewhere(run, tmp_path, monkeypatch):
@@ -209,26 +167,20 @@ def test_demo_writes_one_page_that_needs_nothing_from_elsewhere(run, tmp_path, m
     assert len(names) == 10
 
 
-def test_a_sensor_that_sees_only_infrared_is_an_answer_with_a_diagnosis(run, tmp_path):
+def test_a_sensor_that_sees_only_infrared_is_an_answer_with_a_diagnosis(analysis, done, tmp_path):
     path = tmp_path / "nir.csv"
     rows = [f"{w},{0.3 if w > 850 else 0}" for w in range(400, 1051, 10)]
     path.write_text("wavelength_nm,IR\n" + "\n".join(rows))
-    code, out, _ = run("analyze", path, "--json", "-")
-    sensor = json.loads(out)["sensors"][0]
-    assert code == 0
+    sensor = analysis(path)
     assert sensor["color_error_mean"] is None
     assert sensor["color"]["snr_db"]["Y"] is None
     assert sensor["price_db"] is None
     assert any("no valid Y" in note for note in sensor["notes"])
-    assert run("analyze", path)[0] == 0
+    done("analyze", path)
 
 
-def test_a_negative_luminance_has_no_snr_and_says_so(run):
-    code, out, _ = run(
-        "analyze", "onyx-rgbw", "--illuminant", "LED660", "--time-ms", 2, "--json", "-"
-    )
-    sensor = json.loads(out)["sensors"][0]
-    assert code == 0
+def test_a_negative_luminance_has_no_snr_and_says_so(analysis):
+    sensor = analysis("onyx-rgbw", "--illuminant", "LED660", "--time-ms", 2)
     assert sensor["color"]["mean_lux"]["Y"] < 0
     assert sensor["color"]["snr_db"]["Y"] is None
     luminance = f"{sensor['color']['mean_lux']['Y']:.2g}"
@@ -236,15 +188,14 @@ def test_a_negative_luminance_has_no_snr_and_says_so(run):
 
 
 @pytest.mark.parametrize("offset_nm", [0.0, 1.0, 2.5])
-def test_a_narrow_band_counts_by_its_area_wherever_it_stands(run, tmp_path, offset_nm):
+def test_a_narrow_band_counts_by_its_area_wherever_it_stands(analysis, tmp_path, offset_nm):
     at = np.arange(400, 1050.05, 0.1)
     band = 0.5 * np.exp(-(((at - 550 - offset_nm) / 0.7) ** 2))
     path = tmp_path / "line.csv"
     path.write_text(
         "wavelength_nm,L\n" + "\n".join(f"{w:.1f},{v:.6f}" for w, v in zip(at, band, strict=True))
     )
-    _, out, _ = run("analyze", path, "--time-ms", 12, "--json", "-")
-    electrons = json.loads(out)["sensors"][0]["channels"][0]["mean_e"]
+    electrons = analysis(path, "--time-ms", 12)["channels"][0]["mean_e"]
     # area 0.5 * 0.7 * sqrt(pi) nm of photons at 10 lx, 12 ms, f/1.8, 10 um
     photons = 1.37017e-5 * (550 + offset_nm) * 1e-9 / 1.98644586e-25 * 1e-12
     expected = 10 * 0.012 * 100 / (4 * 1.8**2) * photons * 0.5 * 0.7 * np.sqrt(np.pi)
@@ -279,10 +230,8 @@ def test_json_to_a_device_goes_into_the_device(run):
 
 
 @pytest.mark.parametrize("lux", [1e-6, 1e-3, 1e6, 1e9])
-def test_extreme_light_is_an_answer(run, lux):
-    code, out, _ = run("analyze", "onyx-rgbw", "--lux", lux, "--time-ms", 12, "--json", "-")
-    assert code == 0
-    assert json.loads(out)["level_lux"] == lux
+def test_extreme_light_is_an_answer(result_of, lux):
+    assert result_of("analyze", "onyx-rgbw", "--lux", lux, "--time-ms", 12)["level_lux"] == lux
 
 
 def test_a_file_named_like_an_illuminant_does_not_hide_it(run, tmp_path, monkeypatch):
@@ -295,69 +244,56 @@ def test_a_diode_with_its_width_can_be_named(run):
     assert run("analyze", "model-mono", "--illuminant", "LED550/30")[0] == 0
 
 
-def test_an_illuminant_that_ends_short_has_its_own_answer(run):
-    code, out, _ = run(
-        "analyze", "model-mono", "--illuminant", "D65", "--illuminant-beyond", "zero", "--json", "-"
-    )
-    assert code == 0
-    assert any("zero beyond 300-780 nm" in n for n in json.loads(out)["sensors"][0]["notes"])
+def test_an_illuminant_that_ends_short_has_its_own_answer(analysis):
+    light = ("--illuminant", "D65", "--illuminant-beyond", "zero")
+    notes = analysis("model-mono", *light)["notes"]
+    assert any("zero beyond 300-780 nm" in note for note in notes)
 
 
-def test_the_camera_equation_is_a_third_of_a_decibel_darker(run):
-    electrons = []
-    for more in ((), ("--magnification", 0)):
-        _, out, _ = run("analyze", "model-mono", "--time-ms", 5, *more, "--json", "-")
-        electrons.append(json.loads(out)["sensors"][0]["channels"][0]["mean_e"])
+def test_the_camera_equation_is_a_third_of_a_decibel_darker(analysis):
+    electrons = [
+        analysis("model-mono", "--time-ms", 5, *more)["channels"][0]["mean_e"]
+        for more in ((), ("--magnification", 0))
+    ]
     assert electrons[1] / electrons[0] == pytest.approx(12.96 / 13.96, rel=1e-12)
 
 
-def test_the_budget_of_each_color_adds_up_to_its_snr(run):
-    _, out, _ = run("analyze", "onyx-rgbw", "--budget", "--json", "-")
-    sensor = json.loads(out)["sensors"][0]
+def test_the_budget_of_each_color_adds_up_to_its_snr(analysis, done):
+    sensor = analysis("onyx-rgbw", "--budget")
     for budget in sensor["budget"]:
         lost = sum(cost["cost_db"] for cost in budget["costs"])
         assert budget["photons_db"] - lost == pytest.approx(budget["snr_db"], abs=1e-9)
         assert budget["snr_db"] == pytest.approx(
             sensor["color"]["snr_db"][budget["coordinate"]], abs=1e-9
         )
-    code, out, _ = run("analyze", "onyx-rgbw", "--budget")
-    assert code == 0
-    assert "correlation" in out
+    assert "correlation" in done("analyze", "onyx-rgbw", "--budget")[0]
 
 
-def test_a_saturated_sensor_has_no_budget_and_says_so(run):
-    arguments = ("analyze", "onyx-rgbw", "--budget", "--lux", 1e5, "--time-ms", 12)
-    _, out, _ = run(*arguments, "--json", "-")
-    assert json.loads(out)["sensors"][0]["budget"] == [None, None, None]
-    assert "saturated" in run(*arguments)[1]
+def test_a_saturated_sensor_has_no_budget_and_says_so(analysis, done):
+    arguments = ("onyx-rgbw", "--budget", "--lux", 1e5, "--time-ms", 12)
+    assert analysis(*arguments)["budget"] == [None, None, None]
+    assert "saturated" in done("analyze", *arguments)[0]
 
 
-def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(run):
+def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(result_of, analysis, done):
     arguments = ("compare", "onyx-rgbw", "onyx-rgb-ircut", "--time-ms", 5, "--points", 3)
-    code, out, _ = run(*arguments, "--sweep", "lux=0.1:10", "--json", "-")
-    data = json.loads(out)
-    assert code == 0
+    data = result_of(*arguments, "--sweep", "lux=0.1:10")
     assert data["sweep"]["values"] == pytest.approx([0.1, 1.0, 10.0])
-    _, analyzed_out, _ = run("analyze", "onyx-rgbw", "--time-ms", 5, "--lux", 10, "--json", "-")
-    direct = json.loads(analyzed_out)["sensors"][0]
+    direct = analysis("onyx-rgbw", "--time-ms", 5, "--lux", 10)
     assert data["curves"][0]["value"][-1] == pytest.approx(direct["color"]["snr_db"]["Y"], abs=1e-9)
     assert data["curves"][0]["color_error"][0] == pytest.approx(direct["color_error_mean"])
     assert data["crossovers"][0]["at"] == []
-    code, out, _ = run(*arguments)
-    assert code == 0
-    assert "SNR of Y" in out
+    assert "SNR of Y" in done(*arguments)[0]
 
 
-def test_gray_noise_in_lab_is_told_with_first_order_beside_it(run):
-    _, out, _ = run("analyze", "onyx-rgb-ircut", "--space", "lab", "--json", "-")
-    grey = json.loads(out)["sensors"][0]["gray_noise"]
+def test_gray_noise_in_lab_is_told_with_first_order_beside_it(analysis, done):
+    grey = analysis("onyx-rgb-ircut", "--space", "lab")["gray_noise"]
     assert grey["space"] == "CIELAB"
     assert grey["mean"]["L*"] == pytest.approx(49.5, abs=0.2)  # 18 % gray: 116 * .18^(1/3) - 16
     assert grey["sd"]["L*"] == pytest.approx(grey["sd_first_order"]["L*"], rel=0.05)
     assert grey["first_order_holds"] is True
-    code, out, _ = run("analyze", "onyx-rgb-ircut", "onyx-rgbw", "--space", "lab")
-    assert code == 0
-    assert "18 % gray" in out
+    both = done("analyze", "onyx-rgb-ircut", "onyx-rgbw", "--space", "lab")
+    assert "18 % gray" in both[0]
 
 
 def test_where_the_first_order_fails_it_says_so(run):
@@ -365,18 +301,15 @@ def test_where_the_first_order_fails_it_says_so(run):
     assert "5 %" in out
 
 
-def test_a_saturated_sensor_has_no_gray_noise(run):
-    arguments = ("analyze", "onyx-rgbw", "--space", "luv", "--lux", 1e5, "--time-ms", 12)
-    assert json.loads(run(*arguments, "--json", "-")[1])["sensors"][0]["gray_noise"] is None
-    assert run(*arguments)[0] == 0
+def test_a_saturated_sensor_has_no_gray_noise(analysis, done):
+    arguments = ("onyx-rgbw", "--space", "luv", "--lux", 1e5, "--time-ms", 12)
+    assert analysis(*arguments)["gray_noise"] is None
+    done("analyze", *arguments)
 
 
-def test_clipping_flatters_white_and_luminance_and_says_so(run):
+def test_clipping_flatters_white_and_luminance_and_says_so(analysis):
     """At 99 % of full well 15.9 % of W is held: Monte Carlo gives +1.25 dB on W, +0.43 on Y."""
-    values = []
-    for more in ((), ("--clip",)):
-        _, out, _ = run("analyze", "onyx-rgbw", *more, "--json", "-")
-        values.append(json.loads(out)["sensors"][0])
+    values = [analysis("onyx-rgbw", *more) for more in ((), ("--clip",))]
     white = [next(c for c in t["channels"] if c["name"] == "W") for t in values]
     assert white[1]["full_share"] == pytest.approx(0.1587, abs=2e-4)
     assert white[1]["snr_db"] - white[0]["snr_db"] == pytest.approx(1.25, abs=0.02)
@@ -385,52 +318,45 @@ def test_clipping_flatters_white_and_luminance_and_says_so(run):
     assert any("SNR are too high" in note for note in values[1]["notes"])
 
 
-def test_a_readout_held_whole_at_full_well_is_saturated_and_nothing_more(run):
-    arguments = ("analyze", "onyx-rgbw", "--clip", "--time-ms", 100)
-    code, out, _ = run(*arguments, "--json", "-")
-    sensor = json.loads(out)["sensors"][0]
-    assert code == 0
+def test_a_readout_held_whole_at_full_well_is_saturated_and_nothing_more(analysis, done):
+    arguments = ("onyx-rgbw", "--clip", "--time-ms", 100)
+    sensor = analysis(*arguments)
     assert sensor["bound_db"] is None
     assert all(c["saturated"] and c["full_share"] == 1 for c in sensor["channels"])
-    assert run(*arguments)[0] == 0
+    done("analyze", *arguments)
 
 
 @pytest.mark.evidence
-def test_analyze_takes_another_matrix_and_tells_every_patch_of_the_chart(run):
-    arguments = ("analyze", "onyx-rgbw", "--lux", 1, "--time-ms", 12)
-    values = []
-    lmmse = ("--matrix", "lmmse")
-    for more in (("--chart",), lmmse, (*lmmse, "--prior", "chart")):
-        _, out, _ = run(*arguments, *more, "--json", "-")
-        values.append(json.loads(out)["sensors"][0])
+def test_analyze_takes_another_matrix_and_tells_every_patch_of_the_chart(analysis, done):
+    arguments, lmmse = ("onyx-rgbw", "--lux", 1, "--time-ms", 12), ("--matrix", "lmmse")
+    values = [
+        analysis(*arguments, *more) for more in (("--chart",), lmmse, (*lmmse, "--prior", "chart"))
+    ]
     assert ["LMMSE" in sensor["matrix_made_by"] for sensor in values] == [False, True, True]
     assert len({sensor["color"]["snr_db"]["Y"] for sensor in values}) == 3
     assert len(values[0]["chart"]) == 24
     errors = [patch["color_error"] for patch in values[0]["chart"]]
     assert sum(errors) / 24 == pytest.approx(values[0]["color_error_mean"])
-    code, out, _ = run(*arguments, "--chart")
-    assert code == 0
-    assert "neutral 6.5" in out
+    assert "neutral 6.5" in done("analyze", *arguments, "--chart")[0]
 
 
 @pytest.mark.evidence
-def test_compare_tells_the_band_over_priors(run):
+def test_compare_tells_the_band_over_priors(result_of, done):
     arguments = ("compare", "onyx-rgbw", "onyx-rgb-ircut", "--matrix", "lmmse", "--points", 9)
-    code, out, _ = run(*arguments, "--sweep", "lux=0.05:5", "--prior", "all", "--json", "-")
-    data = json.loads(out)
-    assert code == 0
+    arguments = (*arguments, "--sweep", "lux=0.05:5", "--prior", "all")
+    data = result_of(*arguments)
     (band,) = data["bands"]
     assert len(band["by_prior"]) == 5
     assert band["span"][0] <= data["crossovers"][0]["at"][0] <= band["span"][1]
-    assert "5 priors" in run(*arguments, "--sweep", "lux=0.05:5", "--prior", "all")[1]
+    assert "5 priors" in done(*arguments)[0]
 
 
-def test_compare_on_equal_terms_gives_each_its_time(run):
+def test_compare_on_equal_terms_gives_each_its_time(result_of):
     sensors = ("model-rgb-ircut", "model-rgbw-ircut", "model-three-layer")
     times = {}
     for equal in ("exposure", "saturation", "light"):
-        _, out, _ = run("compare", *sensors, "--equal", equal, "--points", 2, "--json", "-")
-        times[equal] = [curve["time_ms"] for curve in json.loads(out)["curves"]]
+        data = result_of("compare", *sensors, "--equal", equal, "--points", 2)
+        times[equal] = [curve["time_ms"] for curve in data["curves"]]
     assert len(set(times["exposure"])) == 1
     assert min(times["saturation"]) == pytest.approx(times["exposure"][0])
     assert times["light"][2] == pytest.approx(3 * times["light"][0])
@@ -465,13 +391,12 @@ def test_every_setting_is_an_option_or_a_part_of_one(command, function):
         assert options[name].help.startswith(described.of.field.description)
 
 
-def test_an_added_ir_cut_and_a_shift_change_the_sensor(run):
+def test_an_added_ir_cut_and_a_shift_change_the_sensor(analysis):
     cut = ("--ircut-nm", 680, "--shift-nm", -5)
-    data = json.loads(run("analyze", "onyx-rgb", *cut, "--time-ms", 5, "--json", "-")[1])
+    one = analysis("onyx-rgb", *cut, "--time-ms", 5)
     sensor = behind_ir_cut(with_shifted_curves(sensor_named("onyx-rgb"), -5.0), 680.0)
     exposure = Exposure(time_s=5e-3, f_number=1.8)
     white = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
-    (one,) = data["sensors"]
     assert [channel["mean_e"] for channel in one["channels"]] == pytest.approx(
         expected_electrons(white, sensor, exposure).tolist(), rel=1e-12
     )

@@ -26,10 +26,7 @@ TESTS = Path(__file__).parents[1]
 LINES = int(os.environ.get("CHROMANOISE_COMMAND_LINES", "300"))
 
 
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def broken_among(count, seed):

@@ -7,7 +7,6 @@ import pytest
 from chromanoise.study import study_from_text
 from chromanoise.web.questions import QuestionError
 from chromanoise.web.services import Services
-from chromanoise.web.uploads import Uploads
 from fronts import front_of_ir_cuts
 
 XYZ = ("X,1.5,0.1,0.2", "Y,0.6,0.9,0.1", "Z,0.1,0.2,1.1")
@@ -30,13 +29,6 @@ FILES = {
     "sensor": "wavelength_nm,R,G,B\n400,0.1,0.2,0.1\n550,0.1,0.5,0.1\n700,0.3,0.1,0.1\n",
     "three rows": "wavelength_nm,R,G\n400,0.1,0.2\n550,0.1,0.5\n700,0.3,0.1\n",
 }
-
-
-@pytest.fixture
-def uploads():
-    kept = Uploads()
-    yield kept
-    kept.close()
 
 
 @pytest.fixture

@@ -28,7 +28,6 @@ from chromanoise.study.resolve_names import object_word
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import Studies
 from chromanoise.web.questions import QuestionError
-from chromanoise.web.uploads import Uploads
 from outcomes import refused, refused_input
 
 pd = pytest.importorskip("pandas")
@@ -334,23 +333,19 @@ def test_a_study_names_an_observer_beside_it(done, here):
     assert set(own["files"]) == {"inside/mycmf.csv"}
 
 
-def test_the_page_takes_an_observer_that_was_dropped_onto_it_and_no_other_file(here):
+def test_the_page_takes_an_observer_that_was_dropped_onto_it_and_no_other_file(here, uploads):
     file = csv_of(here / "mycmf.csv", *table("cie-2015-2"), ["x", "y", "z"])
-    uploads = Uploads()
-    try:
-        answers = ChartReplies(Studies(uploads))
+    answers = ChartReplies(Studies(uploads))
 
-        def stages(observer):
-            study = {"sensors": [{"name": "onyx-rgbw"}], "observer": observer}
-            return json.loads(answers.answer({"study": study, "want": ["stages"]}))["parts"]
+    def stages(observer):
+        study = {"sensors": [{"name": "onyx-rgbw"}], "observer": observer}
+        return json.loads(answers.answer({"study": study, "want": ["stages"]}))["parts"]
 
-        own = stages(uploads.keep("mycmf.csv", file.read_bytes()).id)
-        assert numbers(own) == numbers(stages("cie-2015-2"))
-        assert "observer mycmf.csv" in json.dumps(own)
-        with pytest.raises(QuestionError):
-            stages(str(file))
-    finally:
-        uploads.close()
+    own = stages(uploads.keep("mycmf.csv", file.read_bytes()).id)
+    assert numbers(own) == numbers(stages("cie-2015-2"))
+    assert "observer mycmf.csv" in json.dumps(own)
+    with pytest.raises(QuestionError):
+        stages(str(file))
 
 
 @pytest.mark.parametrize(

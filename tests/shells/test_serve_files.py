@@ -19,7 +19,6 @@ from chromanoise.web.page_studies import MOST_SENSORS, Studies, files_of, served
 from chromanoise.web.previews import PictureReplies
 from chromanoise.web.questions import QuestionError
 from chromanoise.web.services import Services
-from chromanoise.web.uploads import Uploads
 from outcomes import refused, refused_input
 
 NM = range(400, 1051, 10)
@@ -60,13 +59,6 @@ def cube_bytes(*, first=400, last=1050, level=0.5):
     held = BytesIO()
     np.savez(held, reflectance=np.full((4, 5, at.size), level, np.float32), wavelength_nm=at)
     return held.getvalue()
-
-
-@pytest.fixture
-def uploads():
-    kept = Uploads()
-    yield kept
-    kept.close()
 
 
 @pytest.fixture
