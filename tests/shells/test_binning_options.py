@@ -35,7 +35,7 @@ def test_raw_codes_of_digital_binning_are_refused(run, tmp_path):
     refused(outcome, "--binning-mode", value="digital")
 
 
-def test_a_pixel_of_a_picture_is_one_binned_pixel(run, done, tmp_path):
+def test_a_pixel_of_a_picture_is_one_binned_pixel(run, result_of, tmp_path):
     reflectance = np.full((128, 128, 14), 0.5, dtype=np.float32)
     cube = tmp_path / "cube.npz"
     np.savez(cube, wavelength_nm=np.linspace(400, 1050, 14), reflectance=reflectance)
@@ -44,18 +44,16 @@ def test_a_pixel_of_a_picture_is_one_binned_pixel(run, done, tmp_path):
     done(*asked, "--binning", 4, "--prnu", 0.02, "-o", tmp_path / "o")
     (data,) = json.loads((tmp_path / "o" / "summary.json").read_text())["pictures"]
     codes = tifffile.imread(tmp_path / "o" / "model-rgb.raw.tiff").astype(float)
-    gain, mean_e = data["gain_e_per_dn"], 4 * expected_green(run)
+    gain, mean_e = data["gain_e_per_dn"], 4 * expected_green(result_of)
     assert gain == pytest.approx(40_000 / 65535)
     variance = mean_e + 10.0**2 + (0.01 * mean_e) ** 2 + gain**2 / 12  # a PRNU of 2 % by sqrt(4)
     assert abs(gain * codes.mean() - mean_e) < 5 * np.sqrt(variance / codes.size)
     assert abs(gain**2 * codes.var() / variance - 1) < 5 * np.sqrt(2 / codes.size)
 
 
-def expected_green(run):
+def expected_green(result_of):
     """Electrons of a gray of 0.5 in green of one pixel."""
-    code, out, err = run("analyze", "model-rgb", "--time-ms", 5, "--lux", 5, "--json", "-")
-    assert code == 0, err
-    (sensor,) = json.loads(out)["sensors"]
+    (sensor,) = result_of("analyze", "model-rgb", "--time-ms", 5, "--lux", 5)["sensors"]
     return 0.5 * next(c["mean_e"] for c in sensor["channels"] if c["name"] == "G")
 
 

@@ -56,13 +56,11 @@ def _nothing_of_the_tester(request, monkeypatch):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_kind_is_printed_within_100_columns_and_as_json_with_every_entry(run, kind):
+def test_a_kind_is_printed_within_100_columns_and_as_json_with_every_entry(result_of, run, kind):
     code, out, err = run("catalog", kind)
     assert (code, err) == (0, "")
     assert max(len(line) for line in out.splitlines()) <= 100
-    code, out, err = run("catalog", kind, "--json", "-")
-    assert (code, err) == (0, "")
-    data = json.loads(out)["entries"]
+    data = result_of("catalog", kind)["entries"]
     assert [entry["name"] for entry in data] == [
         entry.provenance.name for entry in catalog_entries(kind)
     ]
@@ -123,10 +121,9 @@ def test_devices_answer_through_every_command_and_ask_through_its_options(run):
     assert all(c["snr_db"] > 20 for c in json.loads(out)["sensors"][0]["channels"])
 
 
-def test_a_users_sensor_and_lamp_stand_beside_the_built_in_ones(run, folder):
-    code, out, err = run("catalog", "sensors", "--json", "-")
-    assert (code, err) == (0, "")
-    entry = next(e for e in json.loads(out)["entries"] if e["name"] == "my-camera")
+def test_a_users_sensor_and_lamp_stand_beside_the_built_in_ones(result_of, run, folder):
+    entries = result_of("catalog", "sensors")["entries"]
+    entry = next(one for one in entries if one["name"] == "my-camera")
     assert entry["file"] == str(folder / "my-camera.csv")
     assert (entry["start_nm"], entry["stop_nm"]) == (400.0, 1050.0)
     code, out, err = run("analyze", "my-camera", "--illuminant", "my-lamp+0.5xLED850")

@@ -17,8 +17,8 @@ def frames(done, tmp_path, monkeypatch):
     return tmp_path / "frames"
 
 
-def test_json_has_the_digits_of_the_library_and_the_keys_that_scripts_use(done, frames):
-    data = json.loads(done("characterize", "frames", "--json", "-")[0])
+def test_json_has_the_digits_of_the_library_and_the_keys_that_scripts_use(result_of, frames):
+    data = result_of("characterize", "frames")
     assert data == json.loads(json.dumps(cn.characterize("frames").to_dict()))
     for plane in data["planes"]:
         assert plane["gain_dn_per_e"] == pytest.approx(0.3, abs=5 * plane["gain_dn_per_e_se"])
@@ -55,10 +55,9 @@ def test_a_folder_that_is_missing_or_empty_is_refused_by_name(run, tmp_path, mon
         refused(run("characterize", name), name)
 
 
-def test_frames_without_a_list_of_levels_are_grouped_by_their_names(done, frames):
+def test_frames_without_a_list_of_levels_are_grouped_by_their_names(result_of, frames):
     (frames / "capture.toml").unlink()
-    data = json.loads(done("characterize", "frames", "--json", "-")[0])
-    (plane,) = data["planes"]  # no file states the mosaic
+    (plane,) = result_of("characterize", "frames")["planes"]  # no file states the mosaic
     assert plane["name"] == "mono"
     assert len(plane["levels"]) == 8
     assert {level["frames"] for level in plane["levels"]} == {2}

@@ -32,10 +32,6 @@ def copied(run, done, tmp_path):
     return call
 
 
-def told_by(done, *arguments):
-    return json.loads(done(*arguments, "--json", "-")[0])
-
-
 @pytest.fixture
 def curves(tmp_path):
     path = tmp_path / "my cam.csv"
@@ -85,14 +81,14 @@ def test_how_a_cube_is_to_be_read_is_copied(run, copied, tmp_path):
     assert (tifffile.imread(ours) == tifffile.imread(theirs)).all()
 
 
-def test_a_copied_script_runs_by_itself_and_prints_the_digits(done, tmp_path):
+def test_a_copied_script_runs_by_itself_and_prints_the_digits(run, tmp_path, result_of):
     options = ("onyx-rgbw", "--lux", 2, "--budget")
     out, _ = done("analyze", *options, "--copy-as", "python")
     (tmp_path / "s.py").write_text(out)
     script = subprocess.run(
         [sys.executable, "s.py"], cwd=tmp_path, capture_output=True, text=True, check=True
     )
-    assert json.loads(script.stdout) == [told_by(done, "analyze", *options)]
+    assert json.loads(done.stdout) == [result_of("analyze", *options)]
 
 
 @pytest.mark.parametrize(
@@ -191,7 +187,7 @@ OWN = "own camera.json"
 
 @pytest.mark.parametrize("more", [(), ("--read-noise-e", 2), ("--filter", "ircut-700")])
 def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
-    run, done, tmp_path, curves, more, capsys, monkeypatch
+    run, tmp_path, curves, more, capsys, monkeypatch, result_of
 ):
     own = tmp_path / OWN
     done("convert", "model-rgb", own)
@@ -200,7 +196,7 @@ def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
     (tmp_path / "s.py").write_text(out)
     monkeypatch.chdir(tmp_path)
     runpy.run_path("s.py", run_name="__main__")
-    assert json.loads(capsys.readouterr().out) == [told_by(done, "analyze", *options)]
+    assert json.loads(capsys.readouterr().out) == [result_of("analyze", *options)]
 
 
 @pytest.mark.parametrize("more", [(), ("--copy-as", "toml")])
@@ -240,9 +236,9 @@ def test_an_answer_that_no_sensor_asks_for_is_refused(
     refused(outcome, *parts, setting=f"sensors.0.answers.{answer}", value=value)
 
 
-def test_an_answer_that_one_of_several_sensors_asks_for_is_taken(done):
+def test_an_answer_that_one_of_several_sensors_asks_for_is_taken(result_of):
     options = ("onyx-rgbw", "ar0132at-rgbw", "--peak-qe", 0.3, "--beyond", "zero")
-    result = told_by(done, "analyze", *options)
+    result = result_of("analyze", *options)
     assert [one["name"] for one in result["sensors"]] == ["onyx-rgbw", "ar0132at-rgbw"]
 
 

@@ -1,7 +1,5 @@
 """One rule decides whether a word for a sensor, a light or a filter names a file."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -34,10 +32,9 @@ def written(path, text):
 
 
 @pytest.fixture
-def analysis(done):
+def analysis(result_of):
     def call(*arguments):
-        out, _ = done("analyze", *arguments, "--json", "-")
-        data = json.loads(out)
+        data = result_of("analyze", *arguments)
         return [[sensor[part] for part in ("channels", "color")] for sensor in data["sensors"]]
 
     return call

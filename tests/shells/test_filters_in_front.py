@@ -1,7 +1,5 @@
 """A filter in front of sensors, by name, of a user's folder or of a file: commands and studies."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -58,10 +56,9 @@ def test_a_gray_glass_of_a_quarter_takes_three_quarters_of_every_curve(folder, w
 
 
 @pytest.mark.parametrize("word", ["gray-glass", "glass.csv"])
-def test_behind_a_gray_glass_the_time_of_saturation_is_four_times_as_long(done, folder, word):
+def test_behind_a_gray_glass_the_time_of_saturation_is_four_times_as_long(result_of, folder, word):
     def times(*more):
-        out, _ = done("analyze", "onyx-rgb", "model-rgb", *more, "--json", "-")
-        data = json.loads(out)["sensors"]
+        data = result_of("analyze", "onyx-rgb", "model-rgb", *more)["sensors"]
         return [one["name"] for one in data], [one["time_ms"] for one in data]
 
     names, bare = times()

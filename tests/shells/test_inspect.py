@@ -39,21 +39,18 @@ def test_the_preview_names_delimiter_decimal_unit_and_what_was_done(run, sample)
     assert "digitized" in out
 
 
-def test_json_of_the_preview_has_the_curves_to_the_last_digit(run, sample):
-    code, out, _ = run("inspect", sample("bench.csv"), "--json", "-")
-    data = json.loads(out)
-    assert code == 0
+def test_json_of_the_preview_has_the_curves_to_the_last_digit(result_of, sample):
+    data = result_of("inspect", sample("bench.csv"))
     assert data["wavelength_nm"] == AT_NM.tolist()
     assert data["values"] == {"R": RED.tolist(), "G": GREEN.tolist()}
     assert data["delimiter"] == "comma"
     assert {q["about"] for q in data["questions"]} >= {"quantity", "level", "beyond"}
 
 
-def test_answers_on_the_command_line_are_no_longer_asked(run, sample):
+def test_answers_on_the_command_line_are_no_longer_asked(result_of, sample):
     answers = ("--quantity", "response", "--relative", "--energy", "--beyond", "zero", "--nm",
                "--peak-qe", 0.5)  # fmt: skip
-    _, out, _ = run("inspect", sample("bench.csv"), *answers, "--column", "G", "--json", "-")
-    data = json.loads(out)
+    data = result_of("inspect", sample("bench.csv"), *answers, "--column", "G")
     assert data["questions"] == []
     assert (data["level"], data["per"], data["names"]) == ("relative", "energy", ["G"])
 
@@ -67,7 +64,7 @@ def test_questions_and_defects_are_no_failure_but_a_file_of_nothing_is(run, samp
 WIDE = "wavelength_nm,R,G\n400,.05,.1\n550,.1,{green}\n650,.4,.1\n1050,.05,.05\n"
 
 
-def test_any_format_is_a_sensor_of_the_other_commands(run, tmp_path):
+def test_any_format_is_a_sensor_of_the_other_commands(result_of, tmp_path):
     from scipy.io import savemat
 
     text = tmp_path / "toy.tsv"
@@ -78,22 +75,18 @@ def test_any_format_is_a_sensor_of_the_other_commands(run, tmp_path):
     snr = []
     for path in (text, matlab):
         said = () if path == text else ("--absolute", "--photons")
-        code, out, _ = run("analyze", path, "--time-ms", 10, "--json", "-", *said)
-        assert code == 0
-        snr.append([c["mean_e"] for c in json.loads(out)["sensors"][0]["channels"]])
+        (sensor,) = result_of("analyze", path, "--time-ms", 10, *said)["sensors"]
+        snr.append([c["mean_e"] for c in sensor["channels"]])
     assert snr[0] == snr[1]
 
 
-def test_a_relative_sensor_is_refused_until_its_peak_is_told(run, tmp_path):
+def test_a_relative_sensor_is_refused_until_its_peak_is_told(result_of, run, tmp_path):
     path = tmp_path / "relative.csv"
     path.write_text(WIDE.format(green="1.0"))
     refused(run("analyze", path), "relative.csv", "--peak-qe", setting="sensors.0.name")
-    code, out, _ = run("analyze", path, "--peak-qe", 0.5, "--time-ms", 10, "--json", "-")
-    half = json.loads(out)["sensors"][0]
-    assert code == 0
+    half = result_of("analyze", path, "--peak-qe", 0.5, "--time-ms", 10)["sensors"][0]
     assert any("highest QE of 0.5" in note for note in half["notes"])
-    _, out, _ = run("analyze", path, "--absolute", "--time-ms", 10, "--json", "-")
-    whole = json.loads(out)["sensors"][0]
+    whole = result_of("analyze", path, "--absolute", "--time-ms", 10)["sensors"][0]
     for one, two in zip(half["channels"], whole["channels"], strict=True):
         assert two["mean_e"] == pytest.approx(2 * one["mean_e"], rel=1e-12)
 
@@ -123,7 +116,7 @@ def test_a_preview_never_takes_the_place_of_its_file(run, sample):
     assert path.read_bytes() == before
 
 
-def test_a_sensor_that_was_converted_is_told_by_what_it_holds(run, tmp_path):
+def test_a_sensor_that_was_converted_is_told_by_what_it_holds(result_of, run, tmp_path):
     path = tmp_path / "mine.json"
     assert run("convert", "onyx-rgbw", path)[0] == 0
     code, out, err = run("inspect", path)
@@ -131,7 +124,7 @@ def test_a_sensor_that_was_converted_is_told_by_what_it_holds(run, tmp_path):
     for part in ("own JSON, a sensor", "4: R, G, B, W", "400-1050 nm, step 5 nm", "10000 e- full"):
         assert part in out
     assert "reconstruction" in out
-    data = json.loads(run("inspect", path, "--json", "-")[1])
+    data = result_of("inspect", path)
     assert data["pixel"]["full_well_e"] == 10_000
     refused(run("inspect", path, "--percent"), "--percent")
 

@@ -25,17 +25,16 @@ def situation_of(name, lux, time_s):
     return point_of(sensor_named(name, DEFAULT_GRID), lux, exposure=Exposure(time_s=time_s))
 
 
-def test_json_of_merit_has_the_digits_of_the_library(run):
+def test_json_of_merit_has_the_digits_of_the_library(result_of):
     arguments = ("--matrix", "lmmse", "--prior", "chart", "--lux", 2, "--time-ms", 10)
-    code, out, _ = run("analyze", "model-rgb-ircut", *arguments, "--merit", "--json", "-")
-    data = json.loads(out)["sensors"][0]["merits"]
+    result = result_of("analyze", "model-rgb-ircut", *arguments, "--merit")
+    data = result["sensors"][0]["merits"]
     operating_point = situation_of("model-rgb-ircut", 2.0, 0.010)
     maker = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"]
     white = flat_field(LAMP, level_lux=2.0)
     analysis = analyzed(
         white, operating_point.sensor, operating_point.exposure, matrix=maker(operating_point)
     )
-    assert code == 0
     assert data == json.loads(json.dumps(plain(merits_of(analysis, maker=maker))))
     assert data["values"]["snr10_adapted"]["value"] > 0
     assert data["viewing"]["pixels_per_degree"] == pytest.approx(41.888, abs=1e-3)
@@ -52,11 +51,9 @@ def test_merit_prints_each_number_with_its_source_and_each_gap_with_its_reason(r
         assert part in out
 
 
-def test_without_merit_nothing_of_it_is_told(run):
-    _, out, _ = run("analyze", "model-mono", "--json", "-")
-    assert "merits" not in json.loads(out)["sensors"][0]
-    _, out, _ = run("analyze", "model-mono")
-    assert "Neugebauer" not in out
+def test_without_merit_nothing_of_it_is_told(result_of, done):
+    assert "merits" not in result_of("analyze", "model-mono")["sensors"][0]
+    assert "Neugebauer" not in done("analyze", "model-mono")[0]
 
 
 def test_merit_of_clipped_electrons_is_refused(run):
@@ -64,23 +61,16 @@ def test_merit_of_clipped_electrons_is_refused(run):
     refused(outcome, "--clip", setting="outputs.clip", value=True)
 
 
-def test_json_of_pareto_has_the_digits_of_the_library(run):
-    code, out, _ = run(
-        *("matrix", "onyx-rgbw", "--lux", 1, "--time-ms", 12, "--prior", "smooth-100"),
-        *("--pareto", "0.01:100:5", "--json", "-"),
-    )
-    data = json.loads(out)
+def test_json_of_pareto_has_the_digits_of_the_library(result_of):
+    asked = ("matrix", "onyx-rgbw", "--lux", 1, "--time-ms", 12, "--prior", "smooth-100")
+    data = result_of(*asked, "--pareto", "0.01:100:5")
     operating_point = situation_of("onyx-rgbw", 1.0, 0.012)
     curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=5), prior="smooth-100")
-    assert code == 0
-    for key, values in (
-        ("weight", curve.weight),
-        ("color_error_rms_lux", curve.color_error_rms),
-        ("delta_e", curve.delta_e),
-        ("noise_rms_lux", curve.noise_rms),
-        ("snr_y_db", curve.snr_y_db),
-    ):
-        assert [p[key] for p in data["pareto"]] == list(values)
+    assert [p["weight"] for p in data["pareto"]] == curve.weight.tolist()
+    assert [p["color_error_rms_lux"] for p in data["pareto"]] == curve.color_error_rms.tolist()
+    assert [p["delta_e"] for p in data["pareto"]] == list(curve.delta_e)
+    assert [p["noise_rms_lux"] for p in data["pareto"]] == curve.noise_rms.tolist()
+    assert [p["snr_y_db"] for p in data["pareto"]] == curve.snr_y_db.tolist()
     assert data["matrix"]["made_by"] == "kernel (eq. 6)"
     assert data["report"]["psi"] > 0
 

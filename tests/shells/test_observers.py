@@ -10,11 +10,6 @@ import chromanoise as cn
 from chromanoise.spectra import OBSERVERS
 from outcomes import refused
 
-
-def data_of(done, *words):
-    return json.loads(done(*words, "--json", "-")[0])
-
-
 COMMANDS = [
     ("analyze", "model-rgb-ircut"),
     ("compare", "model-rgb-ircut", "onyx-rgbw", "--points", "3"),
@@ -23,10 +18,10 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
-def test_every_result_says_its_observer_in_json(done, words):
-    assert data_of(done, *words)["observer"] == "cie-1931-2"
+def test_every_result_says_its_observer_in_json(result_of, words):
+    assert result_of(*words)["observer"] == "cie-1931-2"
     for observer in OBSERVERS:
-        assert data_of(done, *words, "--observer", observer)["observer"] == observer
+        assert result_of(*words, "--observer", observer)["observer"] == observer
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
@@ -36,18 +31,18 @@ def test_the_conditions_name_an_observer_other_than_cie_1931(done, words):
 
 
 @pytest.mark.parametrize("command", ["analyze", "matrix"])
-def test_a_note_says_that_y_of_another_observer_is_not_an_illuminance(done, command):
+def test_a_note_says_that_y_of_another_observer_is_not_an_illuminance(result_of, command):
     def notes(*more):
-        data = data_of(done, command, "model-rgb-ircut", *more)
+        data = result_of(command, "model-rgb-ircut", *more)
         return data["sensors"][0]["notes"] if command == "analyze" else data["notes"]
 
     (note,) = set(notes("--observer", "cie-1964-10")) - set(notes())
     assert "cie-1964-10" in note
 
 
-def test_figures_of_merit_say_their_observer(done):
+def test_figures_of_merit_say_their_observer(done, result_of):
     words = ("analyze", "model-rgb-ircut", "--merit")
-    usual, other = (data_of(done, *words, "--observer", name) for name in list(OBSERVERS)[:2])
+    usual, other = (result_of(*words, "--observer", name) for name in list(OBSERVERS)[:2])
     merits = [one["sensors"][0]["merits"] for one in (usual, other)]
     assert [one["observer"] for one in merits] == ["cie-1931-2", "cie-1964-10"]
     values = [one["values"] for one in merits]

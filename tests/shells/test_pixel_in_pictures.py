@@ -133,9 +133,9 @@ def test_a_picture_without_a_mosaic_has_the_noise_of_the_sheet_and_no_converter(
     assert typed["imperfections"] == TOLD
 
 
-def test_the_closed_form_has_all_noise_of_the_sheet(run, here):
+def test_the_closed_form_has_all_noise_of_the_sheet(result_of, here):
     """EMVA 1288: mu + I t + s_r^2 + (1/12)/K^2 + PRNU^2 mu^2 + DSNU^2, the last two spatial."""
-    result = analyzed(run, "--pixel", "sheet.txt")
+    result = analyzed(result_of, "--pixel", "sheet.txt")
     for channel in result["channels"]:
         mean_e = channel["mean_e"]
         temporal_e2 = mean_e + 2000 * 0.02 + 6**2 + 1 / 0.5**2 / 12
@@ -147,19 +147,17 @@ def test_the_closed_form_has_all_noise_of_the_sheet(run, here):
         assert name in note
 
 
-def test_options_give_the_closed_form_of_the_same_sheet(run, here):
+def test_options_give_the_closed_form_of_the_same_sheet(result_of, here):
     words = ("--pitch-um", 5, "--full-well-e", 4000, "--read-noise-e", 6, "--gain-dn-per-e", 0.5)
     words += ("--bits", 10, "--prnu", 0.05, "--dsnu-e", 12, "--dark-current-e-per-s", 2000)
-    sheet, typed = analyzed(run, "--pixel", "sheet.txt"), analyzed(run, *words)
+    sheet, typed = analyzed(result_of, "--pixel", "sheet.txt"), analyzed(result_of, *words)
     sheet.pop("notes"), typed.pop("notes")
     assert typed == sheet
 
 
-def analyzed(run, *options):
-    asked = ("analyze", "model-rgb", "--time-ms", 20, "--lux", 8, "--json", "-")
-    code, out, err = run(*asked, *options)
-    assert code == 0, err
-    (sensor,) = json.loads(out)["sensors"]
+def analyzed(result_of, *options):
+    asked = ("analyze", "model-rgb", "--time-ms", 20, "--lux", 8)
+    (sensor,) = result_of(*asked, *options)["sensors"]
     return sensor
 
 

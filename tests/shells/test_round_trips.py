@@ -95,7 +95,7 @@ def test_names_that_look_like_units_and_values_that_look_like_wavelengths_surviv
 
 
 @pytest.mark.parametrize("ending", [".csv", ".json"])
-def test_the_qe_that_convert_writes_is_the_sensor_that_it_read(done, here, ending):
+def test_the_qe_that_convert_writes_is_the_sensor_that_it_read(done, result_of, here, ending):
     write_csv(here / "cam.csv", (values(3) + 0.01).clip(max=1).tolist(), "RGB")
     answers = ("--quantity", "QE", "--absolute")
     done("convert", "cam.csv", f"again{ending}", *answers)
@@ -103,18 +103,17 @@ def test_the_qe_that_convert_writes_is_the_sensor_that_it_read(done, here, endin
     again = resolve_sensor(f"again{ending}")
     assert np.array_equal(first.qe, again.qe)
     assert first.names == again.names
-    ours = json.loads(done("analyze", f"again{ending}", "--json", "-")[0])["sensors"][0]
-    theirs = json.loads(done("analyze", "cam.csv", "--absolute", "--json", "-")[0])["sensors"][0]
-    assert ours["channels"] == theirs["channels"]
+    ours, theirs = (
+        result_of("analyze", *words)["sensors"][0]["channels"]
+        for words in ([f"again{ending}"], ["cam.csv", "--absolute"])
+    )
+    assert ours == theirs
 
 
 @pytest.mark.parametrize("ending", [".csv", ".json"])
-def test_a_sensor_of_the_catalog_comes_back_from_either_file(done, here, ending):
+def test_a_sensor_of_the_catalog_comes_back_from_either_file(done, result_of, here, ending):
     done("convert", "onyx-rgbw", f"mine{ending}")
-    data = [
-        json.loads(done("analyze", name, "--json", "-")[0])["sensors"][0]
-        for name in ("onyx-rgbw", f"mine{ending}")
-    ]
+    data = [result_of("analyze", name)["sensors"][0] for name in ("onyx-rgbw", f"mine{ending}")]
     assert data[0]["channels"] == data[1]["channels"]
     assert data[0]["color"] == data[1]["color"]
 
@@ -166,3 +165,36 @@ def test_a_rawtoaces_camera_that_convert_writes_it_writes_again_the_same(done, h
         done("convert", name, "again.json", "--as", "rawtoaces")
         again = json.loads((here / "again.json").read_text())["spectral_data"]["data"]["main"]
         assert again == data
+
+
+def test_a_table_in_json_and_in_csv_keeps_all_digits(done, here):
+    done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.json")
+    done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.csv")
+    text = (here / "t.json").read_text()
+    table = table_from_json(text)
+    assert [list(row) for row in table.rows] == json.loads(text)["rows"]
+    rows = list(csv.reader((here / "t.csv").read_text().splitlines()))[1:]
+    for row, cells in zip(table.rows, rows, strict=True):
+        for value, cell in zip(row, cells, strict=True):
+            if isinstance(value, float):
+                assert float(cell) == value
+
+
+@pytest.mark.parametrize("ending", ["csv", "json", "clf", "dcp.json"])
+def test_an_exported_matrix_keeps_every_digit(done, result_of, here, ending):
+    out = result_of("matrix", "onyx-rgb", "--export", f"m.{ending}")["matrix"]
+    lux, text = np.array(out["lux_per_e"]), (here / f"m.{ending}").read_text()
+    if ending == "csv":
+        rows = [row for row in csv.reader(text.splitlines()) if not row[0].startswith("#")]
+        assert np.array_equal([[float(cell) for cell in row[1:]] for row in rows[1:]], lux)
+    elif ending == "json":
+        held = json.loads(text)
+        assert np.array_equal(held["matrix_lux_per_e"], lux)
+    else:
+        done("matrix", "onyx-rgb", "--export", "whole.json")
+        balanced = json.loads((here / "whole.json").read_text())["balanced"]
+        if ending == "clf":
+            (array,) = ElementTree.fromstring(text).iter("{urn:AMPAS:CLF:v3.0}Array")
+            assert np.array_equal(np.array(array.text.split(), float).reshape(3, 3), balanced)
+        else:
+            assert json.loads(text)["CameraToXYZ"] == balanced

@@ -194,18 +194,14 @@ def test_all_faults_of_a_study_are_told_each_with_its_key(client):
         ({"sensors": [{"name": "onyx-rgbw"}, {"name": "onix"}]}, "sensors.1.name"),
         ({"light": {"illuminant": "moon"}}, "light.illuminant"),
         ({"sensors": [{"name": "onyx-rgbw"}] * 11}, "sensors"),
-        ({"sensors": [{"name": "/etc/passwd"}]}, "sensors.0.name"),
-        ({"sensors": [{"name": "../../secret.csv"}]}, "sensors.0.name"),
         ({"sensors": [{"name": "upload:0123456789abcdef"}]}, "sensors.0.name"),
-        ({"light": {"illuminant": "/etc/passwd"}}, "light.illuminant"),
-        ({"sensors": [{"name": "onyx-rgbw", "pixel": {"file": "/etc/hosts"}}]}, None),
         ({"sensors": [{"name": "onyx\u0000"}]}, "sensors.0.name"),
     ],
 )
-def test_a_word_that_names_nothing_or_a_file_is_told_beside_it(client, change, where):
+def test_a_word_that_names_nothing_is_told_beside_it(client, change, where):
     reply = answered(client, {"study": BOTH | change})
     assert sentence_of(reply, 200)
-    assert reply.json()["faults"][0]["where"] == (where or "sensors.0.pixel.file")
+    assert reply.json()["faults"][0]["where"] == where
 
 
 @pytest.mark.parametrize(
@@ -261,15 +257,12 @@ def test_every_reply_carries_the_headers_that_keep_it_here(client):
         b"{",
         b"[]",
         b"\xff\xfe",
-        b'{"study": {"light": {"level_lux": NaN}}}',
-        b'{"study": {"light": {"level_lux": -Infinity}}}',
         b'{"number": "seven"}',
         b'{"number": true}',
         b'{"want": ["waterfall"]}',
         b'{"want": [{}]}',
         b'{"look": {"magnification": "big"}}',
         b'{"study": 3}',
-        b'{"number": ' + b"9" * 9000 + b"}",
         b"[" * 100_000,
         b'{"study":' * 20_000 + b"1" + b"}" * 20_000,
     ],
@@ -548,21 +541,17 @@ def test_a_study_that_cannot_be_read_is_told_before_anything_is_served(run, tmp_
     refused(run("serve", bad, "--port", 0), "bad.toml:2", setting="sensors.0.nam")
 
 
-def test_importing_the_page_imports_nothing_heavy():
-    script = "import sys, chromanoise.web\nprint('\\n'.join(sys.modules))"
+@pytest.mark.parametrize(
+    ("module", "more"),
+    [("chromanoise.web", {"starlette", "uvicorn"}), ("chromanoise.web.server", set())],
+)
+def test_the_server_is_ready_before_what_computes_is_imported(module, more):
+    script = f"import sys, {module}\nprint('\\n'.join(sys.modules))"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
-    heavy = {"numpy", "scipy", "colour", "starlette", "uvicorn", "chromanoise.study"}
+    heavy = {"numpy", "scipy", "colour", "chromanoise.study", *more}
     assert not heavy & set(done.stdout.split())
-
-
-def test_the_server_is_ready_before_what_computes_is_imported():
-    script = "import sys, chromanoise.web.server\nprint('\\n'.join(sys.modules))"
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
-    assert not {"numpy", "scipy", "colour", "chromanoise.study"} & set(done.stdout.split())
 
 
 @pytest.mark.parametrize("word", ["NaN", "Infinity", "-Infinity"])
