@@ -14,6 +14,7 @@ from chromanoise.cli.output import options_text, refuse_inputs, superfluous, wri
 from chromanoise.io import read_curves, sensor_data, sensor_json, spectra_json
 from chromanoise.io.spectra import (
     ParsedSpectra,
+    Question,
     gaps_nm,
     mosaic_text,
     photons_as_energy,
@@ -124,13 +125,11 @@ def _of_sensor(sensor: Sensor, kind: str, day: str, columns: tuple[str, ...]) ->
         return sensor_csv(sensor), [f"{pixel[0]} (only in comments; use .json to keep it)"]
     if kind == "rawtoaces":
         _refuse_columns(columns, "a rawtoaces camera")
-        left = [name for name in sensor.names if name not in "RGB"]
-        lost = [f"channel {name}" for name in left]
         text = sensor_rawtoaces_json(sensor, created=f"{day}T00:00:00Z")
-        return text, [*pixel, "absolute scale (curves are normalized to a maximum of 1)", *lost]
+        return text, [*pixel, *_lost_in_rawtoaces(sensor.names)]
+    curves = sensor_spectra(sensor)
     name = _one(sensor.names, columns, sensor.name)
-    text = spectra_spdx(sensor_spectra(sensor), name, created=day)
-    return text, [*pixel, *_unit_lost(sensor_spectra(sensor)), *_others(sensor.names, name)]
+    return spectra_spdx(curves, name, created=day), [*pixel, *_lost_in_tm27(curves, name)]
 
 
 def _of_spectra(parsed: ParsedSpectra, kind: str, day: str, columns: tuple[str, ...]) -> Converted:
@@ -143,12 +142,10 @@ def _of_spectra(parsed: ParsedSpectra, kind: str, day: str, columns: tuple[str, 
         return spectra_csv(spectra, facts), [*unsaid, *notes]
     if kind == "rawtoaces":
         text = rawtoaces_json(_per_energy(parsed), _header(spectra, day))
-        left = [name for name in spectra.names if name not in "RGB"]
-        lost = [f"channel {name}" for name in left]
-        return text, [*unsaid, "absolute scale (curves are normalized to a maximum of 1)", *lost]
+        return text, [*unsaid, *_lost_in_rawtoaces(spectra.names)]
     name = _one(spectra.names, columns, spectra.source)
     text = spectra_spdx(spectra, name, created=day, facts=facts)
-    return text, [*unsaid, *_unit_lost(spectra), *_others(spectra.names, name)]
+    return text, [*unsaid, *_lost_in_tm27(spectra, name)]
 
 
 def _facts(parsed: ParsedSpectra) -> dict[str, str]:
@@ -163,10 +160,7 @@ def _with_notes(parsed: ParsedSpectra) -> tuple[Spectra, list[str]]:
     said = (*parsed.said_notes, *parsed.curves.notes, *parsed.notes, *parsed.defects)
     notes = tuple(dict.fromkeys(said))  # without repetition
     source = parsed.said_source or parsed.curves.source
-    lost = [
-        f"not declared: {q.asks} ({' or '.join(map(options_text, q.settings))})"
-        for q in parsed.questions
-    ]
+    lost = [f"not declared: {one.asks} ({_options_of(one)})" for one in parsed.questions]
     if parsed.deviations is not None:
         lost.append("standard deviations")
     return replace(parsed.curves, source=source, notes=notes), lost
@@ -217,14 +211,16 @@ def _refuse_columns(columns: tuple[str, ...], what: str) -> None:
         raise superfluous("--column", f"for {what}, which keeps all its curves", columns)
 
 
-def _unit_lost(spectra: Spectra) -> list[str]:
+def _lost_in_rawtoaces(names: tuple[str, ...]) -> list[str]:
+    lost = [f"channel {name}" for name in names if name not in "RGB"]
+    return ["absolute scale (curves are normalized to a maximum of 1)", *lost]
+
+
+def _lost_in_tm27(spectra: Spectra, kept: str) -> list[str]:
     notes = " and the notes" if spectra.notes else ""
-    return [f"unit {spectra.unit}{notes}, but for comments"]
-
-
-def _others(names: tuple[str, ...], kept: str) -> list[str]:
-    others = [name for name in names if name != kept]
-    return [f"curve {', '.join(others)}"] if others else []
+    others = [name for name in spectra.names if name != kept]
+    curves = [f"curve {', '.join(others)}"] if others else []
+    return [f"unit {spectra.unit}{notes}, but for comments", *curves]
 
 
 _MOST_NAMES = 12
@@ -348,11 +344,12 @@ def summary_lines(file: Path, parsed: ParsedSpectra) -> list[str]:
     lines += [f"  note           {note}" for note in parsed.said_notes]
     lines += [f"  done           {note}" for note in parsed.notes]
     lines += [f"  DEFECT         {defect}" for defect in parsed.defects]
-    lines += [
-        f"  ASK            {q.asks} ({' or '.join(map(options_text, q.settings))})"
-        for q in parsed.questions
-    ]
-    return lines
+    return lines + [f"  ASK            {q.asks} ({_options_of(q)})" for q in parsed.questions]
+
+
+def _options_of(question: Question) -> str:
+    """The options that answer a question."""
+    return " or ".join(map(options_text, question.settings))
 
 
 def _undeclared(parsed: ParsedSpectra) -> str:
@@ -364,8 +361,7 @@ def summary_data(file: Path, parsed: ParsedSpectra) -> dict[str, Any]:
     """The preview as data, the curves included."""
     curves = parsed.curves
     questions = [
-        {"about": q.about, "asks": q.asks, "options": " or ".join(map(options_text, q.settings))}
-        for q in parsed.questions
+        {"about": q.about, "asks": q.asks, "options": _options_of(q)} for q in parsed.questions
     ]
     return {
         "file": str(file),

@@ -42,10 +42,9 @@ from chromanoise.noise import OperatingPoint, level_in_words
 from chromanoise.spectra import is_infrared
 from chromanoise.study import (
     SWEEPS,
-    Analyses,
     Comparison,
     ComparisonMap,
-    Matrices,
+    Results,
     Study,
     machine_reading,
     prepared_cameras,
@@ -495,26 +494,10 @@ _SIZE_IN = (7.2, 4.2)
 _DOTS_PER_IN = 96  # of a screen
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class StudyResults:
-    """The results of all steps of a study but its pictures.
+def results_of(of: Shown) -> Results:
+    """Compute the results of a study that its charts do not have: all but its pictures.
 
-    Attributes
-    ----------
-    analyses, matrices
-        One per color matrix, whether the study asks for them or not.
-    sweeps, maps
-        Of one and of two parameters.
-    """
-
-    analyses: tuple[Analyses, ...]
-    matrices: tuple[Matrices, ...]
-    sweeps: tuple[Comparison, ...]
-    maps: tuple[ComparisonMap, ...]
-
-
-def results_of(of: Shown) -> StudyResults:
-    """Compute the results of a study that its charts do not have.
+    Analyses and matrices are among them whether the study asks for them or not.
 
     Raises
     ------
@@ -524,13 +507,9 @@ def results_of(of: Shown) -> StudyResults:
     outputs = of.study.outputs.model_copy(update={"analyses": True, "matrix": True})
     study = of.study.model_copy(update={"outputs": outputs})
     steps = result_steps(study, list(of.operating_points), of.makers)
-    found = [step.run(None, lambda _: None) for step in steps]
-    return StudyResults(
-        analyses=tuple(one for one in found if isinstance(one, Analyses)),
-        matrices=tuple(one for one in found if isinstance(one, Matrices)),
-        sweeps=tuple(one for one in found if isinstance(one, Comparison)),
-        maps=tuple(one for one in found if isinstance(one, ComparisonMap)),
-    )
+    # by number, as files of matrices in two folders may give steps of one name
+    found = {f"{i}": step.run(None, lambda _: None) for i, step in enumerate(steps)}
+    return Results(study=study, points=of.operating_points, steps=found)
 
 
 def table_record(table: Table) -> dict[str, Any]:
@@ -549,12 +528,12 @@ def _typeset(text: str) -> str:
     return re.sub(r"(^|[ (\[])-(?=[\d.])", "\\1\N{MINUS SIGN}", text)
 
 
-def sweep_records(results: StudyResults) -> list[dict[str, Any]]:
+def sweep_records(results: Results) -> list[dict[str, Any]]:
     """Each sweep of one parameter: title, picture, sentences, table."""
     return [_pictured(one, one.shown_sentences, "svg", "image/svg+xml") for one in results.sweeps]
 
 
-def map_records(results: StudyResults) -> list[dict[str, Any]]:
+def map_records(results: Results) -> list[dict[str, Any]]:
     """Each sweep of two parameters: title, picture, table."""
     return [_pictured(one, [], "png", "image/png") for one in results.maps]
 
@@ -583,23 +562,24 @@ def _pictured(
     }
 
 
-def matrix_records(results: StudyResults) -> list[dict[str, Any]]:
+def matrix_records(results: Results) -> list[dict[str, Any]]:
     """SNR and error of every sensor with every matrix, then the coefficients of each matrix."""
-    tables = [color_table(results.analyses), channels_table(results.analyses[0].analyses)]
-    tables += [replace(one.to_table(), notes=()) for one in results.matrices]  # see the first
+    analyses = list(results.analyses.values())
+    tables = [color_table(analyses), channels_table(analyses[0].analyses)]
+    tables += [replace(one.to_table(), notes=()) for one in results.matrices.values()]  # see above
     return [table_record(table) for table in tables if table.rows]
 
 
-def output_records(results: StudyResults) -> list[dict[str, Any]]:
+def output_records(results: Results) -> list[dict[str, Any]]:
     """The tables of the outputs that the study asks for: ``title`` and ``tables`` per matrix."""
     groups = [
         {"title": f"With the {one.matrix} matrix", "tables": list(map(table_record, tables))}
-        for one in results.analyses
+        for one in results.analyses.values()
         if (tables := list(outcome_tables(one)))
     ]
     curves = [
         table_record(pareto_table(one.pareto, one.report, one.point.sensor.label))
-        for one in results.matrices[0].results
+        for one in next(iter(results.matrices.values())).results
         if one.pareto is not None
     ]
     return [
