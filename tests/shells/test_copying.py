@@ -81,14 +81,14 @@ def test_how_a_cube_is_to_be_read_is_copied(run, copied, tmp_path):
     assert (tifffile.imread(ours) == tifffile.imread(theirs)).all()
 
 
-def test_a_copied_script_runs_by_itself_and_prints_the_digits(run, tmp_path, result_of):
+def test_a_copied_script_runs_by_itself_and_prints_the_digits(done, tmp_path, result_of):
     options = ("onyx-rgbw", "--lux", 2, "--budget")
     out, _ = done("analyze", *options, "--copy-as", "python")
     (tmp_path / "s.py").write_text(out)
     script = subprocess.run(
         [sys.executable, "s.py"], cwd=tmp_path, capture_output=True, text=True, check=True
     )
-    assert json.loads(done.stdout) == [result_of("analyze", *options)]
+    assert json.loads(script.stdout) == [result_of("analyze", *options)]
 
 
 @pytest.mark.parametrize(

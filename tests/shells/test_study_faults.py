@@ -13,7 +13,13 @@ CAMERA = "wavelength_nm,R\n400,0.1\n1050,{end}\n"
 pytestmark = pytest.mark.usefixtures("here")
 
 
-pytestmark = pytest.mark.usefixtures("here")
+def shed_in(folder, more=""):
+    """A folder of one's own with the sensor ``shed``."""
+    (folder / "shed.csv").write_text(CAMERA.format(end=0.3))
+    (folder / "SOURCES.toml").write_text(
+        '[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\nunit = "e-/photon"\n'
+        'level = "absolute"\nsource = "a bench"\nlicense = "CC0"\ndefects = "none known"\n' + more
+    )
 
 
 @pytest.fixture
