@@ -29,6 +29,7 @@ from chromanoise.imaging.kernel_cache import inner
 
 
 F32, I32, I64 = ir.FloatType(), ir.IntType(32), ir.IntType(64)
+_WHOLE = types.int64
 
 
 def multiply_add(builder, lanes):
@@ -44,15 +45,29 @@ def fused(typing_context, factor, other, term):
     """Factor * other + term of float32, rounded once; for compiled functions."""
     number = types.float32
 
+    def write(builder, *numbers):
+        return builder.call(multiply_add(builder, 1), numbers)
+
+    return number(number, number, number), written(write)
+
+
+def written(write):
+    """The code generator of an intrinsic whose instructions ``write`` writes.
+
+    Arrays are given to it as structures with ``data`` and ``shape``.
+    """
+
     def generate(context, builder, signature, arguments):
-        return builder.call(multiply_add(builder, 1), arguments)
+        values = [
+            context.make_array(kind)(context, builder, value)
+            if isinstance(kind, types.Array)
+            else value
+            for kind, value in zip(signature.args, arguments, strict=True)
+        ]
+        returned = write(builder, *values)
+        return context.get_dummy_value() if returned is None else returned
 
-    return number(number, number, number), generate
-
-
-def pointer_at(context, builder, kind, array, offset):
-    """Where a number of an array lies."""
-    return builder.gep(context.make_array(kind)(context, builder, array).data, [offset])
+    return generate
 
 
 def _as_float(builder, value, kind, wanted):
@@ -87,24 +102,15 @@ def vector_at(builder, pointer, width):
 def some_loaded(builder, pointer, kind, count):
     """The next ``count`` < `LANES` stored numbers; the other lanes repeat the first of them."""
     element = pointer.type.pointee
-    first = builder.load(pointer)
-    vector = ir.VectorType(element, LANES)
-    undefined = ir.Constant(vector, ir.Undefined)
-    one = builder.insert_element(undefined, first, ir.Constant(I32, 0))
-    zeros = ir.Constant(ir.VectorType(I32, LANES), [0] * LANES)
-    others = builder.shuffle_vector(one, undefined, zeros)
+    others = spread(builder, builder.load(pointer), LANES)
     numbers = ir.Constant(ir.VectorType(I64, LANES), list(range(LANES)))
-    wide = builder.insert_element(
-        ir.Constant(ir.VectorType(I64, LANES), ir.Undefined), count, ir.Constant(I32, 0)
-    )
-    wide = builder.shuffle_vector(wide, wide, zeros)
-    mask = builder.icmp_signed("<", numbers, wide)
+    mask = builder.icmp_signed("<", numbers, spread(builder, count, LANES))
     suffix = {"float": "f32", "double": "f64"}.get(str(element), str(element))
-    place = builder.bitcast(pointer, vector.as_pointer())
-    signature = ir.FunctionType(vector, [place.type, I32, mask.type, vector])
+    place = builder.bitcast(pointer, others.type.as_pointer())
+    signature = ir.FunctionType(others.type, [place.type, I32, mask.type, others.type])
     name = f"llvm.masked.load.v{LANES}{suffix}.p0"
     function = cgutils.get_or_insert_function(builder.module, signature, name)
-    align = ir.Constant(I32, max(kind.bitwidth // 8, 1))
+    align = I32(max(kind.bitwidth // 8, 1))
     value = builder.call(function, [place, align, mask, others])
     return _as_float(builder, value, kind, vector_of(LANES))
 
@@ -150,7 +156,7 @@ def loop(builder, counter, stop, step, body):
     builder.branch(test)
     builder.position_at_end(test)
     at = builder.load(counter)
-    ahead = builder.add(at, ir.Constant(I64, step))
+    ahead = builder.add(at, I64(step))
     builder.cbranch(builder.icmp_signed("<=", ahead, stop), inside, after)
     builder.position_at_end(inside)
     body(at)
@@ -159,11 +165,10 @@ def loop(builder, counter, stop, step, body):
     builder.position_at_end(after)
 
 
-def weight_rows(context, builder, kind, weights, numbers):
+def weight_rows(builder, weights, numbers):
     """Where the rows of weights begin."""
-    table = context.make_array(kind)(context, builder, weights)
-    pitch = cgutils.unpack_tuple(builder, table.shape)[1]
-    return [builder.gep(table.data, [builder.mul(pitch, number)]) for number in numbers]
+    pitch = cgutils.unpack_tuple(builder, weights.shape)[1]
+    return [builder.gep(weights.data, [builder.mul(pitch, number)]) for number in numbers]
 
 
 class Extremes:
@@ -171,7 +176,7 @@ class Extremes:
 
     def __init__(self, builder, least, lanes=LANES):
         self.builder = builder
-        greatest = builder.gep(least, [ir.Constant(I64, LANES)])
+        greatest = builder.gep(least, [I64(LANES)])
         pointer = vector_of(lanes).as_pointer()
         self.ends = [builder.bitcast(end, pointer) for end in (least, greatest)]
         self.known = [variable(builder, builder.load(end, align=4)) for end in self.ends]
@@ -199,10 +204,9 @@ def spread(builder, value, lanes):
     """One number in every lane."""
     if lanes == 1:
         return value
-    undefined = ir.Constant(vector_of(lanes), ir.Undefined)
-    one = builder.insert_element(undefined, value, ir.Constant(I32, 0))
-    mask = ir.Constant(ir.VectorType(I32, lanes), [0] * lanes)
-    return builder.shuffle_vector(one, undefined, mask)
+    undefined = ir.Constant(ir.VectorType(value.type, lanes), ir.Undefined)
+    one = builder.insert_element(undefined, value, I32(0))
+    return shuffled(builder, one, undefined, [0] * lanes)
 
 
 def ask_memory(builder, pointer, cache):
@@ -210,14 +214,14 @@ def ask_memory(builder, pointer, cache):
     pointer = builder.bitcast(pointer, ir.IntType(8).as_pointer())
     kind = ir.FunctionType(ir.VoidType(), [pointer.type, I32, I32, I32])
     function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-    read, near, data = (ir.Constant(I32, v) for v in (0, 4 - cache, 1))
+    read, near, data = (I32(v) for v in (0, 4 - cache, 1))
     builder.call(function, [pointer, read, near, data])
 
 
 def ask_ahead(builder, pointer, distances):
     """Ask for what lies so many numbers after ``pointer``, into the caches of ``distances``."""
     for cache, numbers in distances.items():
-        ask_memory(builder, builder.gep(pointer, [ir.Constant(I64, numbers)]), cache)
+        ask_memory(builder, builder.gep(pointer, [I64(numbers)]), cache)
 
 
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
@@ -232,65 +236,45 @@ _AHEAD = {1: 1024, 2: 8192}
 _AHEAD_OF_BAND = {2: 768}
 
 
-def pixel_adder():
-    """The compiled function that sums four channels of a run of pixels.
+@intrinsic
+@no_type_check
+def _add_pixels(
+    typing_context, stored, start, pitch, n, bands, weights, channel, out, first, step, seen
+):
+    """Sum four channels of a run of pixels.
 
-    (stored, start, pitch, n, bands, weights, channel, out, first, step, seen) -> nothing.
     ``stored`` is a flat array of any number type; a pixel is ``bands`` numbers from ``start``, the
     next one begins ``pitch`` further. ``weights`` is float32, (channels, bands rounded up to 16,
     the rest 0); the sums of the four channels from ``channel`` on go to the flat ``out``, those of
     pixel i to ``first + i * step`` and behind. ``seen`` float32 keeps the least and, behind, the
     greatest stored number of each lane.
     """
+    kind = stored.dtype
 
-    @intrinsic
-    @no_type_check
-    def add(
-        typing_context, stored, start, pitch, n, bands, weights, channel, out, first, step, seen
-    ):
-        whole = types.int64
-        signature = types.void(
-            stored, whole, whole, whole, whole, weights, whole, out, whole, whole, seen
-        )
+    def write(builder, stored, start, pitch, n, bands, weights, channel, out, first, step, seen):
+        begin, goal = builder.gep(stored.data, [start]), builder.gep(out.data, [first])
+        rows = weight_rows(builder, weights, [builder.add(channel, I64(c)) for c in range(4)])
+        extremes = Extremes(builder, seen.data)
+        counter = variable(builder, I64(0))
 
-        def generate(context, builder, signature, arguments):
-            kinds = signature.args
-            x, start, pitch, n, bands, w, channel, out, first, step, seen = arguments
-            begin = pointer_at(context, builder, kinds[0], x, start)
-            goal = pointer_at(context, builder, kinds[7], out, first)
-            numbers = [builder.add(channel, ir.Constant(I64, c)) for c in range(4)]
-            rows = weight_rows(context, builder, kinds[5], w, numbers)
-            extremes = Extremes(builder, context.make_array(kinds[10])(context, builder, seen).data)
-            counter = variable(builder, ir.Constant(I64, 0))
+        def sums_of(at, *, into_next):
+            pixel = builder.gep(begin, [builder.mul(at, pitch)])
+            totals = _pixel_sums(builder, pixel, kind, bands, rows, extremes, into_next=into_next)
+            place = builder.gep(goal, [builder.mul(at, step)])
+            four = vector_of(4).as_pointer()
+            builder.store(folded(builder, totals), builder.bitcast(place, four), align=4)
 
-            def sums_of(at, *, into_next):
-                pixel = builder.gep(begin, [builder.mul(at, pitch)])
-                totals = _pixel_sums(
-                    builder,
-                    pixel,
-                    kinds[0].dtype,
-                    bands,
-                    rows,
-                    extremes,
-                    into_next=into_next,
-                )
-                place = builder.gep(goal, [builder.mul(at, step)])
-                four = ir.VectorType(F32, 4).as_pointer()
-                builder.store(folded(builder, totals), builder.bitcast(place, four), align=4)
+        # if the next pixel follows directly, the last lanes may read from it: their weight is
+        # 0; the last `LANES` pixels leave room for that however few bands there are
+        together = builder.icmp_signed("==", pitch, bands)
+        most = builder.select(together, builder.sub(n, I64(LANES)), I64(0))
+        loop(builder, counter, most, 1, partial(sums_of, into_next=True))
+        loop(builder, counter, n, 1, partial(sums_of, into_next=False))
+        extremes.keep()
 
-            # if the next pixel follows directly, the last lanes may read from it: their weight is
-            # 0; the last `LANES` pixels leave room for that however few bands there are
-            together = builder.icmp_signed("==", pitch, bands)
-            most = builder.sub(n, ir.Constant(I64, LANES))
-            most = builder.select(together, most, ir.Constant(I64, 0))
-            loop(builder, counter, most, 1, partial(sums_of, into_next=True))
-            loop(builder, counter, n, 1, partial(sums_of, into_next=False))
-            extremes.keep()
-            return context.get_dummy_value()
-
-        return signature, generate
-
-    return add
+    return types.void(
+        stored, _WHOLE, _WHOLE, _WHOLE, _WHOLE, weights, _WHOLE, out, _WHOLE, _WHOLE, seen
+    ), written(write)
 
 
 def _pixel_sums(builder, pixel, kind, bands, rows, extremes, *, into_next):
@@ -314,13 +298,13 @@ def _pixel_sums(builder, pixel, kind, bands, rows, extremes, *, into_next):
 
     def some(at):
         for k in range(0, _UNROLLED * LANES, LANES):
-            here = builder.add(at, ir.Constant(I64, k))
+            here = builder.add(at, I64(k))
             if k % _LINE == 0:
                 ask_ahead(builder, builder.gep(pixel, [here]), _AHEAD)
             add(here, whole)
 
-    counter = variable(builder, ir.Constant(I64, 0))
-    stop = builder.add(bands, ir.Constant(I64, LANES - 1)) if into_next else bands
+    counter = variable(builder, I64(0))
+    stop = builder.add(bands, I64(LANES - 1)) if into_next else bands
     loop(builder, counter, stop, _UNROLLED * LANES, some)
     loop(builder, counter, stop, LANES, lambda at: add(at, whole))
     if not into_next:
@@ -334,21 +318,18 @@ def _pixel_sums(builder, pixel, kind, bands, rows, extremes, *, into_next):
 @intrinsic
 @no_type_check
 def weighted_sum(typing_context, stored, start, bands, weights, row, seen):
-    """The sum of one pixel with one row of weights; arguments as `pixel_adder` has them."""
-    whole = types.int64
-    signature = types.float32(stored, whole, whole, weights, whole, seen)
+    """The sum of one pixel with one row of weights; arguments as `_add_pixels` has them."""
+    kind = stored.dtype
 
-    def generate(context, builder, signature, arguments):
-        kinds = signature.args
-        x, start, bands, w, row, seen = arguments
-        pixel = pointer_at(context, builder, kinds[0], x, start)
-        rows = weight_rows(context, builder, kinds[3], w, [row])
-        extremes = Extremes(builder, context.make_array(kinds[5])(context, builder, seen).data)
-        totals = _pixel_sums(builder, pixel, kinds[0].dtype, bands, rows, extremes, into_next=False)
+    def write(builder, stored, start, bands, weights, row, seen):
+        pixel = builder.gep(stored.data, [start])
+        rows = weight_rows(builder, weights, [row])
+        extremes = Extremes(builder, seen.data)
+        totals = _pixel_sums(builder, pixel, kind, bands, rows, extremes, into_next=False)
         extremes.keep()
-        return builder.extract_element(folded(builder, totals), ir.Constant(I32, 0))
+        return builder.extract_element(folded(builder, totals), I32(0))
 
-    return signature, generate
+    return types.float32(stored, _WHOLE, _WHOLE, weights, _WHOLE, seen), written(write)
 
 
 def band_adder(count):
@@ -356,7 +337,7 @@ def band_adder(count):
 
     (stored, start, pitch, n, weights, channel, band, sums, tile, seen) -> nothing. ``stored`` is a
     flat array of any number type in which band k of the run starts at ``start + k * pitch``;
-    ``sums`` holds channel c at ``c * tile``; ``seen`` is that of `pixel_adder`. Sixteen pixels at
+    ``sums`` holds channel c at ``c * tile``; ``seen`` is that of `_add_pixels`. Sixteen pixels at
     a time, band after band by fused multiply-add, to four channels from ``channel`` on: their sums
     stay in registers meanwhile.
     """
@@ -364,35 +345,23 @@ def band_adder(count):
     @intrinsic
     @no_type_check
     def add(typing_context, stored, start, pitch, n, weights, channel, band, sums, tile, seen):
-        whole = types.int64
-        signature = types.void(
-            stored, whole, whole, whole, weights, whole, whole, sums, whole, seen
-        )
+        kind = stored.dtype
 
-        def generate(context, builder, signature, arguments):
-            kinds = signature.args
-            x, start, pitch, n, w, channel, band, sums, tile, seen = arguments
-            planes = _planes(context, builder, kinds[0], x, start, pitch, count)
-            slots = [builder.add(channel, ir.Constant(I64, c)) for c in range(4)]
-            totals = [
-                pointer_at(context, builder, kinds[7], sums, builder.mul(tile, slot))
-                for slot in slots
-            ]
-            rows = weight_rows(context, builder, kinds[4], w, slots)
+        def write(builder, stored, start, pitch, n, weights, channel, band, sums, tile, seen):
+            slots = [builder.add(channel, I64(c)) for c in range(4)]
+            totals = [builder.gep(sums.data, [builder.mul(tile, slot)]) for slot in slots]
+            rows = weight_rows(builder, weights, slots)
 
             def factor(c, k, at, lanes):
-                place = builder.gep(rows[c], [builder.add(band, ir.Constant(I64, k))])
+                place = builder.gep(rows[c], [builder.add(band, I64(k))])
                 return spread(builder, builder.load(place), lanes)
 
-            least = context.make_array(kinds[9])(context, builder, seen).data
-            counter = variable(builder, ir.Constant(I64, 0))
-            for lanes in (RUN_LANES, 1):
-                _add_bands(
-                    builder, counter, n, lanes, planes, kinds[0].dtype, totals, factor, least
-                )
-            return context.get_dummy_value()
+            planes = _planes(builder, stored, start, pitch, count)
+            _add_bands(builder, n, planes, kind, totals, factor, seen)
 
-        return signature, generate
+        return types.void(
+            stored, _WHOLE, _WHOLE, _WHOLE, weights, _WHOLE, _WHOLE, sums, _WHOLE, seen
+        ), written(write)
 
     return add
 
@@ -407,45 +376,41 @@ def own_band_adder(count):
     @intrinsic
     @no_type_check
     def add(typing_context, stored, start, pitch, n, table, band, sums, seen):
-        whole = types.int64
-        signature = types.void(stored, whole, whole, whole, table, whole, sums, seen)
+        kind, of_table = stored.dtype, table.dtype
 
-        def generate(context, builder, signature, arguments):
-            kinds = signature.args
-            x, start, pitch, n, table, band, sums, seen = arguments
-            planes = _planes(context, builder, kinds[0], x, start, pitch, count)
-            totals = [context.make_array(kinds[6])(context, builder, sums).data]
-            first = builder.mul(band, ir.Constant(I64, RUN_LANES))
-            own = pointer_at(context, builder, kinds[4], table, first)
-            least = context.make_array(kinds[7])(context, builder, seen).data
+        def write(builder, stored, start, pitch, n, table, band, sums, seen):
+            own = builder.gep(table.data, [builder.mul(band, I64(RUN_LANES))])
 
             def factor(_, k, at, lanes):
-                column = builder.and_(at, ir.Constant(I64, RUN_LANES - 1))
-                place = builder.add(column, ir.Constant(I64, k * RUN_LANES))
-                return loaded(builder, builder.gep(own, [place]), kinds[4].dtype, lanes)
+                column = builder.and_(at, I64(RUN_LANES - 1))
+                place = builder.add(column, I64(k * RUN_LANES))
+                return loaded(builder, builder.gep(own, [place]), of_table, lanes)
 
-            counter = variable(builder, ir.Constant(I64, 0))
-            for lanes in (RUN_LANES, 1):
-                _add_bands(
-                    builder, counter, n, lanes, planes, kinds[0].dtype, totals, factor, least
-                )
-            return context.get_dummy_value()
+            planes = _planes(builder, stored, start, pitch, count)
+            _add_bands(builder, n, planes, kind, [sums.data], factor, seen)
 
-        return signature, generate
+        return types.void(stored, _WHOLE, _WHOLE, _WHOLE, table, _WHOLE, sums, seen), written(write)
 
     return add
 
 
-def _planes(context, builder, kind, stored, start, pitch, count):
+def _planes(builder, stored, start, pitch, count):
     """Where ``count`` bands of a run begin."""
-    steps = [builder.mul(pitch, ir.Constant(I64, k)) for k in range(count)]
-    return [pointer_at(context, builder, kind, stored, builder.add(start, s)) for s in steps]
+    steps = [builder.mul(pitch, I64(k)) for k in range(count)]
+    return [builder.gep(stored.data, [builder.add(start, step)]) for step in steps]
 
 
-def _add_bands(builder, counter, n, lanes, planes, kind, totals, factor, least):
-    """The loop of `band_adder` and `own_band_adder` over ``lanes`` pixels at a time."""
+def _add_bands(builder, n, planes, kind, totals, factor, seen):
+    """The loops of `band_adder` and `own_band_adder`: `RUN_LANES` pixels at a time, then one."""
+    counter = variable(builder, I64(0))
+    for lanes in (RUN_LANES, 1):
+        _add_to_pixels(builder, counter, n, lanes, planes, kind, totals, factor, seen)
+
+
+def _add_to_pixels(builder, counter, n, lanes, planes, kind, totals, factor, seen):
+    """The loop over ``lanes`` pixels at a time."""
     fma = multiply_add(builder, lanes)
-    extremes = Extremes(builder, least, min(lanes, LANES))
+    extremes = Extremes(builder, seen.data, min(lanes, LANES))
 
     def body(at):
         places = [
@@ -480,7 +445,6 @@ BANDS_AT_ONCE = 8
 _AGAIN = 128  # pixels that stay in the cache until all channels are summed
 _ZERO = np.float32(0.0)
 _add_some, _add_one = band_adder(BANDS_AT_ONCE), band_adder(1)
-_add_pixels = pixel_adder()
 _add_some_own, _add_own = own_band_adder(BANDS_AT_ONCE), own_band_adder(1)
 
 

@@ -19,7 +19,17 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from chromanoise.imaging.denoising.electron_planes import PLACES, SIDE
-from chromanoise.imaging.dot_kernels import I32, I64, folded, loop, pointer_at, shuffled, variable
+from chromanoise.imaging.dot_kernels import (
+    F32,
+    I32,
+    I64,
+    folded,
+    loop,
+    shuffled,
+    spread,
+    variable,
+    written,
+)
 from chromanoise.imaging.kernel_cache import kernel
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc"}}
@@ -29,6 +39,7 @@ LANES = 16
 assert PLACES == LANES, "a matrix of a group has a row per place and a vector per row"
 _TILE = 69
 """Groups whose distances are taken at once: 3 columns each and a patch are 13 vectors."""
+_DOUBLE, _WHOLE = ir.DoubleType(), types.int64
 _ZERO = np.float32(0.0)
 _SMALL = np.float32(1e-8)
 _TINY = np.float32(1e-20)
@@ -41,31 +52,17 @@ _LEAST_GAIN = 1e-3
 
 
 class _Vectors:
-    """Writes instructions on vectors."""
+    """Writes instructions on vectors of ``lanes`` numbers."""
 
-    def __init__(self, context, builder, signature, lanes=LANES):
-        self.context, self.builder, self.kinds = context, builder, signature.args
-        self.lanes = lanes
-
-    def place(self, arguments, array, offset):
-        """The place of a vector in the array, given by its number among the arguments."""
-        flat = pointer_at(self.context, self.builder, self.kinds[array], arguments[array], offset)
-        return self.builder.bitcast(flat, ir.VectorType(flat.type.pointee, self.lanes).as_pointer())
-
-    def load(self, place):
-        return self.builder.load(place, align=4)
-
-    def store(self, value, place):
-        self.builder.store(value, place, align=4)
+    def __init__(self, builder, lanes):
+        self.builder, self.lanes = builder, lanes
 
     def spread(self, number):
         """The number in all lanes."""
-        none = ir.Constant(ir.VectorType(number.type, self.lanes), ir.Undefined)
-        one = self.builder.insert_element(none, number, ir.Constant(I32, 0))
-        return shuffled(self.builder, one, none, [0] * self.lanes)
+        return spread(self.builder, number, self.lanes)
 
-    def constant(self, number):
-        return ir.Constant(ir.VectorType(ir.DoubleType(), self.lanes), [number] * self.lanes)
+    def constant(self, number, kind=_DOUBLE):
+        return ir.Constant(ir.VectorType(kind, self.lanes), [number] * self.lanes)
 
     def root(self, value):
         kind = ir.FunctionType(value.type, [value.type])
@@ -84,19 +81,46 @@ class _Vectors:
         return getattr(self.builder, sign)(term, product, flags=("contract",))
 
 
+class _Flat:
+    """A flat array, from and to which instructions move numbers and vectors."""
+
+    def __init__(self, on, data):
+        self.builder, self.lanes, self.data = on.builder, on.lanes, data
+
+    def number(self, at):
+        return self.builder.load(self.builder.gep(self.data, [at]))
+
+    def load(self, at):
+        return self.builder.load(self._vector(at), align=4)
+
+    def store(self, value, at):
+        self.builder.store(value, self._vector(at), align=4)
+
+    def _vector(self, at):
+        vector = ir.VectorType(self.data.type.pointee, self.lanes)
+        return self.builder.bitcast(self.builder.gep(self.data, [at]), vector.as_pointer())
+
+
+def _written(write, lanes=LANES):
+    """The code generator of an intrinsic whose instructions ``write`` writes, on such vectors."""
+
+    def write_on_vectors(builder, *values):
+        on = _Vectors(builder, lanes)
+        flat = (one if isinstance(one, ir.Value) else _Flat(on, one.data) for one in values)
+        return write(on, builder, *flat)
+
+    return written(write_on_vectors)
+
+
 @intrinsic
 @no_type_check
 def _add(typing_context, out, to, factor, values, first):
     """Add to a vector of ``out`` a vector of ``values`` times the factor."""
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature)
-        goal, source = on.place(arguments, 0, arguments[1]), on.place(arguments, 3, arguments[4])
-        factor = on.spread(arguments[2])
-        on.store(on.fused(factor, on.load(source), on.load(goal)), goal)
-        return context.get_dummy_value()
+    def write(on, builder, out, to, factor, values, first):
+        out.store(on.fused(on.spread(factor), values.load(first), out.load(to)), to)
 
-    return types.void(out, types.int64, out.dtype, values, types.int64), generate
+    return types.void(out, _WHOLE, out.dtype, values, _WHOLE), _written(write)
 
 
 @intrinsic
@@ -104,55 +128,41 @@ def _add(typing_context, out, to, factor, values, first):
 def _turn(typing_context, values, one, other, cosine, sine):
     """Rotate two vectors: one to c one - s other, other to s one + c other."""
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature)
-        one, other = (on.place(arguments, 0, arguments[i]) for i in (1, 2))
-        cosine, sine = on.spread(arguments[3]), on.spread(arguments[4])
-        x, y = on.load(one), on.load(other)
-        on.store(on.fused(sine, y, builder.fmul(cosine, x), "fsub"), one)
-        on.store(on.fused(sine, x, builder.fmul(cosine, y)), other)
-        return context.get_dummy_value()
+    def write(on, builder, values, one, other, cosine, sine):
+        cosine, sine = on.spread(cosine), on.spread(sine)
+        x, y = values.load(one), values.load(other)
+        values.store(on.fused(sine, y, builder.fmul(cosine, x), "fsub"), one)
+        values.store(on.fused(sine, x, builder.fmul(cosine, y)), other)
 
-    number = values.dtype
-    return types.void(values, types.int64, types.int64, number, number), generate
+    return types.void(values, _WHOLE, _WHOLE, values.dtype, values.dtype), _written(write)
 
 
 @intrinsic
 @no_type_check
 def _add_squares(typing_context, sums, to, values, here, there, row):
     """Add the squared differences of two places of `SIDE` rows to a vector of the sums."""
-    whole = types.int64
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature)
-        goal = on.place(arguments, 0, arguments[1])
-        here, there, row = arguments[3:]
-        total = on.load(goal)
+    def write(on, builder, sums, to, values, here, there, row):
+        total = sums.load(to)
         for _ in range(SIDE):
-            x, y = (on.load(on.place(arguments, 2, at)) for at in (here, there))
-            apart = builder.fsub(x, y)
+            apart = builder.fsub(values.load(here), values.load(there))
             total = on.fused(apart, apart, total)
             here, there = builder.add(here, row), builder.add(there, row)
-        on.store(total, goal)
-        return context.get_dummy_value()
+        sums.store(total, to)
 
-    return types.void(sums, whole, values, whole, whole, whole), generate
+    return types.void(sums, _WHOLE, values, _WHOLE, _WHOLE, _WHOLE), _written(write)
 
 
 @intrinsic
 @no_type_check
 def _transpose(typing_context, out, to, pitch, values, places, first, shift):
     """Write the vectors at `LANES` places, with a shift, as columns of rows of ``out``."""
-    whole = types.int64
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature)
-        _, to, pitch, _, _, first, shift = arguments
+    def write(on, builder, out, to, pitch, values, places, first, shift):
         vectors = []
         for lane in range(LANES):
-            at = builder.add(first, ir.Constant(I64, lane))
-            number = builder.load(pointer_at(context, builder, places, arguments[4], at))
-            vectors.append(on.load(on.place(arguments, 3, builder.add(number, shift))))
+            place = places.number(builder.add(first, I64(lane)))
+            vectors.append(values.load(builder.add(place, shift)))
         half = LANES // 2
         low = [lane // 2 + lane % 2 * LANES for lane in range(LANES)]
         for _ in range(LANES.bit_length() - 1):  # each turn interleaves the first and second half
@@ -162,78 +172,64 @@ def _transpose(typing_context, out, to, pitch, values, places, first, shift):
                 for part in (0, half)
             ]
         for vector in vectors:
-            on.store(vector, on.place(arguments, 0, to))
+            out.store(vector, to)
             to = builder.add(to, pitch)
-        return context.get_dummy_value()
 
-    return types.void(out, whole, whole, values, places, whole, whole), generate
+    return types.void(out, _WHOLE, _WHOLE, values, places, _WHOLE, _WHOLE), _written(write)
 
 
 @intrinsic
 @no_type_check
 def _combine(typing_context, out, to, base, factors, number, count, rows, first, pitch, width):
     """Write a row of ``out``: the base and the sum of ``count`` rows, times their factors."""
-    whole = types.int64
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature)
-        _, to, base, _, number, count, _, first, pitch, width = arguments
-        at, zero = variable(builder, ir.Constant(I64, 0)), ir.Constant(I64, 0)
-        k, row = variable(builder, zero), variable(builder, zero)
+    def write(on, builder, out, to, base, factors, number, count, rows, first, pitch, width):
+        at, k, row = (variable(builder, I64(0)) for _ in range(3))
         base = on.spread(base)
         total = variable(builder, base)
 
         def add(now):
-            place = pointer_at(context, builder, factors, arguments[3], builder.add(number, now))
-            value = on.load(on.place(arguments, 6, builder.load(row)))
-            builder.store(
-                on.fused(on.spread(builder.load(place)), value, builder.load(total)), total
-            )
-            builder.store(builder.add(builder.load(row), pitch), row)
+            factor = on.spread(factors.number(builder.add(number, now)))
+            here = builder.load(row)
+            builder.store(on.fused(factor, rows.load(here), builder.load(total)), total)
+            builder.store(builder.add(here, pitch), row)
 
-        def write(now):
-            builder.store(zero, k)
+        def write_vector(now):
+            builder.store(I64(0), k)
             builder.store(builder.add(first, now), row)
             builder.store(base, total)
             loop(builder, k, count, 1, add)
-            on.store(builder.load(total), on.place(arguments, 0, builder.add(to, now)))
+            out.store(builder.load(total), builder.add(to, now))
 
-        loop(builder, at, width, LANES, write)
-        return context.get_dummy_value()
+        loop(builder, at, width, LANES, write_vector)
 
     number = out.dtype
     return types.void(
-        out, whole, number, factors, whole, whole, rows, whole, whole, whole
-    ), generate
+        out, _WHOLE, number, factors, _WHOLE, _WHOLE, rows, _WHOLE, _WHOLE, _WHOLE
+    ), _written(write)
 
 
 @intrinsic
 @no_type_check
 def _filter(typing_context, out, to, factors, rows, pitch, width):
     """Write the products of `PLACES` rows with a matrix of factors."""
-    whole = types.int64
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature)
-        _, to, _, _, pitch, width = arguments
-        at = variable(builder, ir.Constant(I64, 0))
-        lines = [builder.mul(pitch, ir.Constant(I64, i)) for i in range(PLACES)]
+    def write(on, builder, out, to, factors, rows, pitch, width):
+        at = variable(builder, I64(0))
+        lines = [builder.mul(pitch, I64(i)) for i in range(PLACES)]
 
-        def write(now):
-            values = [on.load(on.place(arguments, 3, builder.add(line, now))) for line in lines]
+        def write_vectors(now):
+            values = [rows.load(builder.add(line, now)) for line in lines]
             for i, line in enumerate(lines):
-                total = ir.Constant(values[0].type, [0.0] * LANES)
+                total = on.constant(0.0, F32)
                 for k, value in enumerate(values):
-                    number = ir.Constant(I64, i * PLACES + k)
-                    place = pointer_at(context, builder, factors, arguments[2], number)
-                    total = on.fused(on.spread(builder.load(place)), value, total)
-                line = builder.add(builder.add(to, line), now)
-                on.store(total, on.place(arguments, 0, line))
+                    factor = on.spread(factors.number(I64(i * PLACES + k)))
+                    total = on.fused(factor, value, total)
+                out.store(total, builder.add(builder.add(to, line), now))
 
-        loop(builder, at, width, LANES, write)
-        return context.get_dummy_value()
+        loop(builder, at, width, LANES, write_vectors)
 
-    return types.void(out, whole, factors, rows, whole, whole), generate
+    return types.void(out, _WHOLE, factors, rows, _WHOLE, _WHOLE), _written(write)
 
 
 _BLOCK = 4
@@ -243,21 +239,16 @@ _BLOCK = 4
 @no_type_check
 def _multiply(typing_context, out, rows, one, other, pitch, jump, times, width):
     """Write the products of 4 rows with 4 others, summed over their width and over some jumps."""
-    whole = types.int64
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature)
-        _, _, *places, pitch, jump, times, width = arguments
-        zero = ir.Constant(I64, 0)
-        at, turn = variable(builder, zero), variable(builder, zero)
-        places = [variable(builder, place) for place in places]
-        none = ir.Constant(ir.VectorType(ir.FloatType(), LANES), [0.0] * LANES)
-        totals = [variable(builder, none) for _ in range(_BLOCK**2)]
+    def write(on, builder, out, rows, one, other, pitch, jump, times, width):
+        at, turn = variable(builder, I64(0)), variable(builder, I64(0))
+        places = [variable(builder, place) for place in (one, other)]
+        totals = [variable(builder, on.constant(0.0, F32)) for _ in range(_BLOCK**2)]
 
         def four(place, now):
             here = builder.add(builder.load(place), now)
             for _ in range(_BLOCK):
-                yield on.load(on.place(arguments, 1, here))
+                yield rows.load(here)
                 here = builder.add(here, pitch)
 
         def add(now):
@@ -267,17 +258,16 @@ def _multiply(typing_context, out, rows, one, other, pitch, jump, times, width):
                 builder.store(on.fused(u, v, builder.load(total)), total)
 
         def add_all(_):
-            builder.store(zero, at)
+            builder.store(I64(0), at)
             loop(builder, at, width, LANES, add)
             for place in places:
                 builder.store(builder.add(builder.load(place), jump), place)
 
         loop(builder, turn, times, 1, add_all)
         sums = folded(builder, [builder.load(total) for total in totals], LANES)
-        on.store(sums, on.place(arguments, 0, zero))
-        return context.get_dummy_value()
+        out.store(sums, I64(0))
 
-    return types.void(out, rows, whole, whole, whole, whole, whole, whole), generate
+    return types.void(out, rows, _WHOLE, _WHOLE, _WHOLE, _WHOLE, _WHOLE, _WHOLE), _written(write)
 
 
 @intrinsic
@@ -289,37 +279,26 @@ def _invert(typing_context, matrix):
     if all pivots are above 0.
     """
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature)
-        places = [on.place(arguments, 0, ir.Constant(I64, i * LANES)) for i in range(PLACES)]
-        rows = [on.load(place) for place in places]
-        one = ir.Constant(ir.DoubleType(), 1.0)
-        least = one
+    def write(on, builder, matrix):
+        rows = [matrix.load(I64(i * LANES)) for i in range(PLACES)]
+        least = one = _DOUBLE(1.0)
         for k in range(PLACES):
-            lane = ir.Constant(I32, k)
-            pivot = builder.extract_element(rows[k], lane)
+            pivot = builder.extract_element(rows[k], I32(k))
             least = builder.select(builder.fcmp_unordered("<", pivot, least), pivot, least)
             inverse = builder.fdiv(one, pivot)
             scaled = builder.fmul(rows[k], on.spread(inverse))
             # a column f becomes f - f (1 + inverse)
-            row = builder.insert_element(scaled, builder.fadd(one, inverse), lane)
+            row = builder.insert_element(scaled, builder.fadd(one, inverse), I32(k))
             for i in range(PLACES):
                 if i != k:
                     factor = shuffled(builder, rows[i], rows[i], [k] * LANES)
                     rows[i] = on.fused(factor, row, rows[i], "fsub")
-            rows[k] = builder.insert_element(scaled, inverse, lane)
-        for row, place in zip(rows, places, strict=True):
-            on.store(row, place)
+            rows[k] = builder.insert_element(scaled, inverse, I32(k))
+        for i, row in enumerate(rows):
+            matrix.store(row, I64(i * LANES))
         return least
 
-    return types.float64(matrix), generate
-
-
-@_compiled
-@no_type_check
-def _negate(values, first, count):
-    for j in range(first, first + count):
-        values[j] = -values[j]
+    return types.float64(matrix), _written(write)
 
 
 _AT_ONCE = 4
@@ -334,60 +313,62 @@ def _sweep(typing_context, d, e, cosines, sines, first, last):
 
     The square-root-free form of Pal, Walker and Kahan (LAPACK dsterf).
     """
-    whole = types.int64
 
-    def generate(context, builder, signature, arguments):
-        on = _Vectors(context, builder, signature, _AT_ONCE)
-        first, last = arguments[4:]
-        one, floor = ir.Constant(I64, 1), on.constant(_FLOOR)
+    def write(on, builder, d, e, cosines, sines, first, last):
+        one, floor = on.constant(1.0), on.constant(_FLOOR)
 
-        def place(array, row):
-            return on.place(arguments, array, builder.mul(row, ir.Constant(I64, _AT_ONCE)))
+        def place(row):
+            return builder.mul(row, I64(_AT_ONCE))
 
-        begin = on.load(place(0, first))
-        root = on.root(on.load(place(1, first)))
-        apart = builder.fsub(on.load(place(0, builder.add(first, one))), begin)
+        begin = d.load(place(first))
+        root = on.root(e.load(place(first)))
+        apart = builder.fsub(d.load(place(builder.add(first, I64(1)))), begin)
         ratio = builder.fdiv(builder.fmul(apart, on.constant(0.5)), root)
-        length = on.root(on.fused(ratio, ratio, on.constant(1.0)))
+        length = on.root(on.fused(ratio, ratio, one))
         length = builder.fadd(ratio, on.with_sign(length, ratio))
         shift = builder.fsub(begin, builder.fdiv(root, length))
-        g = builder.fsub(on.load(place(0, last)), shift)
+        g = builder.fsub(d.load(place(last)), shift)
         g, f = variable(builder, g), variable(builder, builder.fmul(g, g))
         # squares of the cosine and the sine, and the sign of the cosine
-        c, s = variable(builder, on.constant(1.0)), variable(builder, on.constant(0.0))
-        sign = variable(builder, on.constant(1.0))
+        c, s = variable(builder, one), variable(builder, on.constant(0.0))
+        sign = variable(builder, one)
 
         def rotate(now):
-            row = builder.sub(builder.sub(last, one), now)
-            after = builder.add(row, one)
-            square, diagonal = on.load(place(1, row)), on.load(place(0, row))
+            row = builder.sub(builder.sub(last, I64(1)), now)
+            after = builder.add(row, I64(1))
+            square, diagonal = e.load(place(row)), d.load(place(row))
             old, power, before = builder.load(g), builder.load(f), builder.load(c)
             r = builder.fadd(power, square)
-            on.store(on.fused(builder.load(s), r, floor), place(1, after))
-            builder.store(builder.fdiv(power, r), c)
-            builder.store(builder.fdiv(square, r), s)
-            builder.store(on.with_sign(builder.load(sign), old), sign)
-            product = builder.fmul(builder.load(s), old)
-            new = builder.fsub(
-                builder.fmul(builder.load(c), builder.fsub(diagonal, shift)), product
-            )
-            on.store(builder.fadd(old, builder.fsub(diagonal, new)), place(0, after))
-            cosine = builder.fmul(builder.load(sign), on.root(builder.load(c)))
-            on.store(cosine, place(2, row))
-            on.store(on.root(builder.load(s)), place(3, row))
+            e.store(on.fused(builder.load(s), r, floor), place(after))
+            cosine, sine = builder.fdiv(power, r), builder.fdiv(square, r)
+            builder.store(cosine, c)
+            builder.store(sine, s)
+            turned = on.with_sign(builder.load(sign), old)
+            builder.store(turned, sign)
+            product = builder.fmul(sine, old)
+            new = builder.fsub(builder.fmul(cosine, builder.fsub(diagonal, shift)), product)
+            d.store(builder.fadd(old, builder.fsub(diagonal, new)), place(after))
+            cosines.store(builder.fmul(turned, on.root(cosine)), place(row))
+            sines.store(on.root(sine), place(row))
             usual = builder.fmul(builder.fmul(new, new), builder.fdiv(r, power))
             some = builder.fcmp_ordered(">", power, on.constant(1e-100))
             builder.store(builder.select(some, usual, builder.fmul(before, square)), f)
             builder.store(new, g)
 
-        counter = variable(builder, ir.Constant(I64, 0))
+        counter = variable(builder, I64(0))
         loop(builder, counter, builder.sub(last, first), 1, rotate)
-        on.store(on.fused(builder.load(s), builder.load(f), floor), place(1, first))
-        on.store(builder.fadd(shift, builder.load(g)), place(0, first))
-        on.store(on.with_sign(builder.load(sign), builder.load(g)), place(2, last))
-        return context.get_dummy_value()
+        e.store(on.fused(builder.load(s), builder.load(f), floor), place(first))
+        d.store(builder.fadd(shift, builder.load(g)), place(first))
+        cosines.store(on.with_sign(builder.load(sign), builder.load(g)), place(last))
 
-    return types.void(d, e, cosines, sines, whole, whole), generate
+    return types.void(d, e, cosines, sines, _WHOLE, _WHOLE), _written(write, _AT_ONCE)
+
+
+@_compiled
+@no_type_check
+def _negate(values, first, count):
+    for j in range(first, first + count):
+        values[j] = -values[j]
 
 
 @_compiled
