@@ -373,11 +373,13 @@ def _negate(values, first, count):
 
 @_compiled
 @no_type_check
-def _tridiagonalize(a, v, first, d, e, small, lane, u, q, single, n):
-    """Householder tridiagonalization of n rows: diagonal, squares off it, reflections in v.
+def _tridiagonalize(a, v, first, band, lane, room, n):
+    """Householder tridiagonalization of n rows; the reflections in v, and the matrix changes.
 
-    ``u`` and ``q`` are a row each, ``single`` are two; the matrix changes.
+    ``band``: the diagonal, the squares off it, and the largest of these that count as 0; of the
+    ``room``, two arrays are a row each, the last one is two.
     """
+    (d, e, small), (u, q, single) = band, room
     width = len(u)
     v[first : first + n * width] = _ZERO
     for i in range(n):
@@ -426,8 +428,9 @@ def _tridiagonalize(a, v, first, d, e, small, lane, u, q, single, n):
 
 @_compiled
 @no_type_check
-def _diagonalize(v, d, e, cosines, sines, small, count, width, n):
+def _diagonalize(v, band, turns, count, width, n):
     """Eigenvalues of `_AT_ONCE` tridiagonal matrices, and eigenvectors into the rows of v."""
+    (d, e, small), (cosines, sines) = band, turns
     for lane in range(count, _AT_ONCE):
         small[lane] = np.inf
     for first in range(n - 1):
@@ -644,23 +647,7 @@ def _fill_color(color, products, samples, p, most, full):
 
 @kernel(**_OPTIONS)
 @no_type_check
-def add_groups(
-    noisy,
-    pilot,
-    features,
-    shape,
-    floor,
-    slope,
-    square,
-    second,
-    radius,
-    stride,
-    fewest,
-    limit,
-    out,
-    weight,
-    activity,
-):
+def add_groups(noisy, pilot, features, shape, noise, second, search, limit, out, weight, activity):
     """Add the estimates of all groups of similar patches to ``out``, with their weights.
 
     Parameters
@@ -673,21 +660,23 @@ def add_groups(
         noise.
     shape
         h, w and p.
-    floor, slope, square
-        Variance of the noise of each plane, as of `VarianceLaw`.
+    noise
+        Floor, slope and square (3, p) of the variance of each plane, as of `VarianceLaw`.
     second
         Whether this is step 2.
-    radius, stride
-        Rows and columns in which patches are sought, and between groups.
-    fewest, limit
-        Fewest patches of a group, and the squared distance up to which all patches are similar.
+    search
+        Rows and columns in which patches are sought, and between groups, and the fewest patches of
+        a group.
+    limit
+        Squared distance up to which all patches are similar.
     out
         Sum (h, w p) of the weighted estimates.
     weight, activity
         Sums (h w) of the weights, and of the weighted largest gains, of the patches that begin at
         a pixel.
     """
-    h, w, p = shape
+    (h, w, p), (radius, stride, fewest) = shape, search
+    floor, slope, square = noise[0], noise[1], noise[2]
     across, row, values = SIDE * p, noisy.shape[1], PLACES * p
     noisy_values, pilot_values, sums_of_values = (
         noisy.reshape(-1),
@@ -714,9 +703,12 @@ def add_groups(
     filters, gains = np.empty((p, PLACES, PLACES), np.float32), np.empty(p)
     vectors, solved = np.empty(_AT_ONCE * PLACES**2, np.float32), np.empty(_AT_ONCE, np.int64)
     lanes = _AT_ONCE * max(p, PLACES)
-    d, e, small = np.zeros(lanes), np.full(lanes, _FLOOR), np.empty(_AT_ONCE)
-    cosines, sines = np.empty(lanes), np.empty(lanes)
-    row_u, row_q = u[:PLACES], q[:PLACES]
+    d = np.zeros(lanes)
+    band, turns = (
+        (d, np.full(lanes, _FLOOR), np.empty(_AT_ONCE)),
+        (np.empty(lanes), np.empty(lanes)),
+    )
+    row_room = (u[:PLACES], q[:PLACES], single)
     # rows of x in the order of the numbers to which they are added; the last row stays 0
     wide = -(-across // LANES) * LANES
     rows = np.full((SIDE, wide), (values + LANES - 1) * most)
@@ -764,8 +756,8 @@ def add_groups(
             if second:
                 _standardize(g, guide_mean, unit, n, full)
             _fill_color(color, products, guide.reshape(-1), p, most, full)
-            _tridiagonalize(color.reshape(-1), axes, 0, d, e, small, 0, u, q, single, p)
-            _diagonalize(axes, d, e, cosines, sines, small, 1, width, p)
+            _tridiagonalize(color.reshape(-1), axes, 0, band, 0, (u, q, single), p)
+            _diagonalize(axes, band, turns, 1, width, p)
             found = 0
             for k in range(p):
                 for c in range(p):
@@ -783,23 +775,11 @@ def add_groups(
                         gains[k] = _set_wiener(filters[k], cov)
                 elif _has_signal(cov, work, n):
                     at = found * PLACES**2
-                    _tridiagonalize(
-                        cov.reshape(-1),
-                        vectors,
-                        at,
-                        d,
-                        e,
-                        small,
-                        found,
-                        row_u,
-                        row_q,
-                        single,
-                        PLACES,
-                    )
+                    _tridiagonalize(cov.reshape(-1), vectors, at, band, found, row_room, PLACES)
                     solved[found] = k
                     found += 1
                 if found and (found == _AT_ONCE or k == p - 1):
-                    _diagonalize(vectors, d, e, cosines, sines, small, found, PLACES, PLACES)
+                    _diagonalize(vectors, band, turns, found, PLACES, PLACES)
                     for lane in range(found):
                         c = solved[lane]
                         gains[c] = _set_filter_of_noisy(filters[c], vectors, lane, d, n)
@@ -835,13 +815,7 @@ def add_groups(
                     start = places[first + j]
                     for i in range(SIDE):
                         for s in range(0, wide, LANES):
-                            to = start + i * row + s
-                            _add(
-                                sums_of_values,
-                                to,
-                                np.float32(1.0),
-                                turned,
-                                (i * wide + s + j) * LANES,
-                            )
+                            to, at = start + i * row + s, (i * wide + s + j) * LANES
+                            _add(sums_of_values, to, np.float32(1.0), turned, at)
                     weight[pixels[first + j]] += share
                     activity[pixels[first + j]] += share * np.float32(active)
