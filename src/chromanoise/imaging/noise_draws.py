@@ -1,3 +1,4 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 """Random draws of the kernels: Philox words, quantiles, and shot and read noise of blocks.
 
 Functions without annotations are compiled; a word is a uint64 whose high half is ignored, for the
@@ -56,7 +57,15 @@ from typing import no_type_check
 
 import numpy as np
 
-from chromanoise.imaging.blocks import FEW_E, LIGHT, READOUT, SMOOTH_E
+from chromanoise.imaging.blocks import (
+    FEW_E,
+    LIGHT,
+    LOG_TERMS,
+    QUANTILE_ABOVE,
+    QUANTILE_BELOW,
+    READOUT,
+    SMOOTH_E,
+)
 from chromanoise.imaging.dot_kernels import fused
 from chromanoise.imaging.kernel_cache import inlined, inner, kernel
 
@@ -147,25 +156,9 @@ _EXPONENT_AT = np.int32(23)
 _ROOT_HALF = np.int32(0x3F3504F3)
 _LN_2 = _F(0.6931471805599453)
 
-# ln(1 + f) / f for sqrt(1/2) <= 1 + f <= sqrt(2), minimax: the logarithm errs by 3.4e-8
-_L0, _L1, _L2, _L3 = (
-    _F(0.9999998139228),
-    _F(-0.5000066740315),
-    _F(0.3333618193219),
-    _F(-0.2495934346),
-)
-_L4, _L5, _L6, _L7 = (
-    _F(0.1987304861918),
-    _F(-0.1733347148318),
-    _F(0.1641997547084),
-    _F(-0.1010220041),
-)
-
-# normal quantile / (1 - 2t) as a ratio of polynomials in w = -ln 4t(1 - t), minimax: errs by 1.2e-7
-_P0, _P1, _P2 = _F(1.2533142805743616), _F(0.4528931760819228), _F(0.08998653582631565)
-_P3, _P4, _P5 = _F(0.011902043399865366), _F(0.0010024744612763129), _F(2.921249561208359e-05)
-_Q1, _Q2, _Q3 = _F(0.09955993205337688), _F(0.03269102304549773), _F(0.002291294635803468)
-_Q4, _Q5 = _F(0.00016975149536817527), _F(1.0038387061978881e-06)
+_L0, _L1, _L2, _L3, _L4, _L5, _L6, _L7 = map(_F, LOG_TERMS)
+_P0, _P1, _P2, _P3, _P4, _P5 = map(_F, QUANTILE_ABOVE)
+_, _Q1, _Q2, _Q3, _Q4, _Q5 = map(_F, QUANTILE_BELOW)
 
 
 @inlined
@@ -550,9 +543,6 @@ def draw_readout(words, waiting, count, read_noise_e, room, electrons):
     for j in range(waiting):
         lane = np.uintp(lanes[j])
         electrons[lane] = electrons[lane] + read_noise_e * normal[j]
-
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
 
 _CELL_E = 0.5

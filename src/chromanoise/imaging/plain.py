@@ -23,9 +23,12 @@ from chromanoise.imaging.blocks import (
     LANES,
     LEVEL,
     LIGHT,
+    LOG_TERMS,
     PIXEL_GAIN,
     PIXEL_LEVELS,
     PIXEL_OFFSET,
+    QUANTILE_ABOVE,
+    QUANTILE_BELOW,
     READING,
     READOUT,
     ROW,
@@ -380,22 +383,11 @@ def normal_quantiles(words: Array) -> Array:
     y = (tail + tail) * (F(1) + away)
     exponent = (y.view(np.int32) - np.int32(0x3F3504F3)) >> 23
     f = (y.view(np.int32) - (exponent << 23)).view(F) - F(1)
-    terms = [
-        0.9999998139228, -0.5000066740315, 0.3333618193219, -0.2495934346,
-        0.1987304861918, -0.1733347148318, 0.1641997547084, -0.1010220041,
-    ]  # fmt: skip
     f2 = f * f
-    log = fused(_fused_quartet(terms[4:], f, f2), f2 * f2, _fused_quartet(terms[:4], f, f2))
+    high, low = (_fused_quartet(terms, f, f2) for terms in (LOG_TERMS[4:], LOG_TERMS[:4]))
+    log = fused(high, f2 * f2, low)
     w = fused(exponent.astype(F), -F(0.6931471805599453), -(log * f))
-    above = [
-        1.2533142805743616, 0.4528931760819228, 0.08998653582631565, 0.011902043399865366,
-        0.0010024744612763129, 2.921249561208359e-05,
-    ]  # fmt: skip
-    below = [
-        1.0, 0.09955993205337688, 0.03269102304549773, 0.002291294635803468,
-        0.00016975149536817527, 1.0038387061978881e-06,
-    ]  # fmt: skip
-    z = away * _fused_sextet(above, w) / _fused_sextet(below, w)
+    z = away * _fused_sextet(QUANTILE_ABOVE, w) / _fused_sextet(QUANTILE_BELOW, w)
     return np.where(signed < 0, z, -z)
 
 
