@@ -1,3 +1,4 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 """Kernels for a run of pixels: expected electrons, noisy readout, color, and counts per row.
 
 Functions without annotations are compiled, serial, and release the GIL; ``draw`` is a `Draw`.
@@ -59,9 +60,6 @@ from chromanoise.imaging.noise_draws import (
     word_at,
     words_at,
 )
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-
 
 _1, _2, _3, _4 = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(4)
 
@@ -163,9 +161,6 @@ def hold_at_well(electrons, n, p, well, counts):
     if held:
         for j in range(n * p):
             electrons[j] = min(max(electrons[j], _ZERO), most_e)
-
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
 
 _F = np.float32
@@ -271,7 +266,8 @@ def acquire(mean, pixel, n, channels, draw, row_e, columns_e, room, electrons):
             draw_readout(words, lanes, lanes, draw.reading_e, block, electrons)
     offsets = draw.pattern_e > _ZERO or columns_e.size > 0 or draw.levels_e > _ZERO
     if dark_e > _ZERO or offsets or row_e != _ZERO:
-        _imperfect_readout(electrons, pixel, n, channels, draw, row_e - dark_e, columns_e)
+        own = (draw.pattern_e, PIXEL_OFFSET, np.uint64(0))
+        add_offsets(electrons, pixel, n, channels, draw, row_e - dark_e, columns_e, own)
 
 
 @inner
@@ -292,15 +288,19 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
 
 @inner
 @no_type_check
-def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e, columns_e):
-    """DSNU, and row, column and telegraph noise."""
+def add_offsets(electrons, pixel, n, channels, draw, shared_e, columns_e, own):
+    """What a row shares, column and telegraph noise, and normal noise of each pixel's own.
+
+    channels and columns_e as in `acquire`; own: standard deviation, purpose and frame.
+    """
+    own_e, purpose, frame = own
     for c in range(channels.shape[0]):
         for i in range(n):
             column_e = columns_e[c, i] if columns_e.size > 0 else _ZERO
             offset = shared_e + readout_offset_e(pixel + i, channels[c, i], column_e, draw)
-            if draw.pattern_e > _ZERO:
-                z = normal_of(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)
-                offset = offset + draw.pattern_e * z
+            if own_e > _ZERO:
+                z = normal_of(pixel + i, purpose, frame, channels[c, i], draw.key)
+                offset = offset + own_e * z
             electrons[c * n + i] = electrons[c * n + i] + offset
 
 
@@ -346,19 +346,21 @@ def _words_of_one(pixel, channel, purpose, frame, key, words):
         words[i] = word_at(np.uint64(pixel + i), np.uint64(purpose), frame, channel[i], key)
 
 
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-
-
 _HALF = _F(0.5)
 
 
 @inner
 @no_type_check
-def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
-    """Eq. 5 for a run, channel after channel; sRGB codes are looked up.
+def room_for_colors():
+    """Scratch of a run: three colors of each pixel, and where their codes stand."""
+    return np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
 
-    colors f4 and entry i4 have room for three values of each pixel.
-    """
+
+@inner
+@no_type_check
+def colors_of_run(electrons, n, p, matrices, table, room, xyz, srgb):
+    """Eq. 5 for a run, channel after channel; sRGB codes are looked up."""
+    colors, entry = room
     _products(electrons, n, p, matrices[:3], colors)
     three_together(colors[:n], colors[n : 2 * n], colors[2 * n : 3 * n], xyz.reshape(-1))
     _products(electrons, n, p, matrices[3:], colors)
@@ -417,17 +419,15 @@ def _codes(table, first, second, third, srgb):
 def color_of_electrons(electrons, matrices, table, xyz, srgb):
     """Eq. 5 for rows of electrons (rows, columns, p): xyz and srgb as `color_rows`."""
     rows, columns, p = electrons.shape
-    run = np.empty(RUN * p, np.float32)
-    colors, entry = np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
+    run, room = np.empty(RUN * p, np.float32), room_for_colors()
     for row in range(rows):
         for first in range(0, columns, RUN):
             n = min(RUN, columns - first)
             for i in range(n):
                 for c in range(p):
                     run[c * n + i] = electrons[row, first + i, c]
-            colors_of_run(
-                run, n, p, matrices, table, colors, entry, xyz[row, first:], srgb[row, first:]
-            )
+            there, shown = xyz[row, first:], srgb[row, first:]
+            colors_of_run(run, n, p, matrices, table, room, there, shown)
 
 
 @inner
@@ -438,9 +438,6 @@ def _entries(screen, entry):
         within = screen[i] if screen[i] > _ZERO else _ZERO  # also for NaN
         within = within if within < _ONE else _ONE
         entry[i] = np.int32(within * _F(ENCODED - 1) + _HALF)
-
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
 
 @inner
@@ -535,6 +532,16 @@ def means_by_filter(stored, start, rows, first, n, over, phase, tables, sums, ou
             own = over[(phase + row) % over.shape[0]][first : first + n]
             for i in range(row * n, (row + 1) * n):
                 out[i] = sums[own[i - row * n] * TILE + i]
+
+
+@inner
+@no_type_check
+def every_channel(p):
+    """All channels over each pixel of a run: (p, `RUN`)."""
+    every = np.empty((p, RUN), np.int64)
+    for c in range(p):
+        every[c] = c
+    return every
 
 
 @inner

@@ -1,3 +1,4 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 """Compiled sums over the bands of pixels: eq. 2, expected electrons of a cube.
 
 Expected electrons are stored numbers times weights. If the compiler may reorder sums, results
@@ -24,9 +25,6 @@ from numba.extending import intrinsic
 
 from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, LANES, RUN_LANES, TILE
 from chromanoise.imaging.kernel_cache import inner
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-
 
 F32, I32, I64 = ir.FloatType(), ir.IntType(32), ir.IntType(64)
 _WHOLE = types.int64
@@ -222,9 +220,6 @@ def ask_ahead(builder, pointer, distances):
     """Ask for what lies so many numbers after ``pointer``, into the caches of ``distances``."""
     for cache, numbers in distances.items():
         ask_memory(builder, builder.gep(pointer, [I64(numbers)]), cache)
-
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
 
 _UNROLLED = 4  # unroll factor of the loop over the bands of a pixel
@@ -434,9 +429,6 @@ def _add_to_pixels(builder, counter, n, lanes, planes, kind, totals, factor, see
 
     loop(builder, counter, n, lanes, body)
     extremes.keep()
-
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
 
 BANDS_AT_ONCE = 8

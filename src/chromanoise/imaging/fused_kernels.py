@@ -1,3 +1,4 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 """Conversion of a block of rows of the cube to electrons, codes or color, in one pass.
 
 A block is split into tiles for the expected electrons, and tiles into runs of one row for noise and
@@ -20,16 +21,17 @@ import numpy as np
 
 from chromanoise.imaging.acquisition import (
     acquire,
+    add_offsets,
     channels_over,
     colors_of_run,
     column_offsets_e,
     count_means,
+    every_channel,
     hold_at_well,
     means_by_channel,
     means_by_filter,
     means_by_pixel,
-    normal_of,
-    readout_offset_e,
+    room_for_colors,
     room_for_run,
     room_for_tile,
     row_offset_e,
@@ -42,9 +44,6 @@ from chromanoise.imaging.acquisition import (
 )
 from chromanoise.imaging.blocks import READOUT, RUN, TILE
 from chromanoise.imaging.kernel_cache import inner, kernel
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-
 
 _F = np.float32
 _ZERO, _HALF = _F(0.0), _F(0.5)
@@ -139,11 +138,8 @@ def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts
     p = matrices.shape[1]
     sums, fours = room_for_tile(stored)
     mean, electrons = np.empty(RUN * p, np.float32), np.empty(RUN * p, np.float32)
-    colors, entry = np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
-    room, strands = room_for_run(p), strands_for(1)
-    every = np.empty((p, RUN), np.int64)
-    for c in range(p):
-        every[c] = c
+    room, shades, strands = room_for_run(p), room_for_colors(), strands_for(1)
+    every = every_channel(p)
     columns_e = column_offsets_e(p, columns, draw)
     together = rows_of_tile(stored.lay, columns)
     for top in range(0, rows, together):
@@ -167,7 +163,7 @@ def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts
                     acquire(mean, pixel, m, every, draw, row_e, here_e, room, electrons)
                     hold_at_well(electrons, m, p, well, counts[row])
                     there, shown = xyz[row, at:], srgb[row, at:]
-                    colors_of_run(electrons, m, p, matrices, table, colors, entry, there, shown)
+                    colors_of_run(electrons, m, p, matrices, table, shades, there, shown)
 
 
 @inner
@@ -176,9 +172,6 @@ def _copy(values, out):
     """Written out, because assigning a slice takes five times as long."""
     for i in range(out.size):
         out[i] = values[i]
-
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
 
 @kernel(error_model="numpy")
@@ -218,6 +211,7 @@ def coupled_raw_rows(light, counted, places, shares, tile, first_row, draw, adc,
     rows, columns = codes.shape
     over, electrons = channels_over(tile, columns), np.empty(RUN, np.float32)
     columns_e = column_offsets_e(1, columns, draw)
+    reading = (draw.reading_e, READOUT, draw.frame)
     for row in range(rows):
         at_row = first_row + row
         own, row_e = over[at_row % tile.shape[0]], row_offset_e(at_row, draw)
@@ -227,9 +221,9 @@ def coupled_raw_rows(light, counted, places, shares, tile, first_row, draw, adc,
             for i in range(n):
                 electrons[i] = _mixed(counted, row, first + i, places, shares)
                 counts[row, 0, channel[i]] += _mixed(light, row, first + i, places, shares)
-            pixel = at_row * columns + first
+            pixel, one = at_row * columns + first, channel.reshape(1, -1)
             here_e = columns_e[:, first:]
-            _read_out(electrons, pixel, n, channel.reshape(1, -1), draw, row_e, here_e)
+            add_offsets(electrons, pixel, n, one, draw, row_e, here_e, reading)
             codes_of_run(electrons, channel, adc, counts[row], codes[row, first:])
 
 
@@ -245,11 +239,9 @@ def coupled_color_rows(
     inside, draw = draws
     rows, columns, p = mean.shape
     some, counted = np.empty(RUN * p, np.float32), np.empty(RUN * p, np.float32)
-    electrons = np.empty(RUN * p, np.float32)
-    colors, entry = np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
-    room, every = room_for_run(p), np.empty((p, RUN), np.int64)
-    for c in range(p):
-        every[c] = c
+    electrons, every = np.empty(RUN * p, np.float32), every_channel(p)
+    room, shades = room_for_run(p), room_for_colors()
+    reading = (draw.reading_e, READOUT, draw.frame)
     none_e, columns_e = column_offsets_e(p, columns, inside), column_offsets_e(p, columns, draw)
     for row in range(rows):
         at_row = first_row + row
@@ -267,10 +259,11 @@ def coupled_color_rows(
                     for k in range(p):
                         total += coupling[c, k] * counted[k * n + i]
                     electrons[c * n + i] = total
-            _read_out(electrons, pixel, n, every, draw, row_e, columns_e[:, first:])
+            here_e = columns_e[:, first:]
+            add_offsets(electrons, pixel, n, every, draw, row_e, here_e, reading)
             hold_at_well(electrons, n, p, well, counts[row])
             there, shown = xyz[row, first:], srgb[row, first:]
-            colors_of_run(electrons, n, p, matrices, table, colors, entry, there, shown)
+            colors_of_run(electrons, n, p, matrices, table, shades, there, shown)
 
 
 @inner
@@ -286,17 +279,3 @@ def _mixed(values, row, column, places, shares):
             if share > _ZERO:
                 total += share * values[row_at[row + last_y - dy], column_at[column + last_x - dx]]
     return total
-
-
-@inner
-@no_type_check
-def _read_out(electrons, pixel, n, channels, draw, row_e, columns_e):
-    """Add what the readout adds: channels and columns_e as in `acquire`."""
-    for c in range(channels.shape[0]):
-        for i in range(n):
-            column_e = columns_e[c, i] if columns_e.size > 0 else _ZERO
-            added = row_e + readout_offset_e(pixel + i, channels[c, i], column_e, draw)
-            if draw.reading_e > _ZERO:
-                z = normal_of(pixel + i, READOUT, draw.frame, channels[c, i], draw.key)
-                added = added + draw.reading_e * z
-            electrons[c * n + i] = electrons[c * n + i] + added
