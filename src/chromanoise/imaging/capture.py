@@ -19,13 +19,11 @@ from chromanoise.color import ColorMatrix
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_methods import DEMOSAICING
-from chromanoise.imaging.develop import developed
 from chromanoise.imaging.dng import RawProfile, raw_profile, refuse_dng_size, write_dng
 from chromanoise.imaging.formats import FORMATS
 from chromanoise.imaging.plans import BadPixels, color_matrices, demand_well, draw_of
-from chromanoise.imaging.render import Picture, RawPicture, acquired, mosaic_of, rendered
+from chromanoise.imaging.render import Picture, RawPicture, mosaic_of
 from chromanoise.imaging.row_files import openexr, write_linear_exr
-from chromanoise.imaging.shared_rows import Work
 from chromanoise.imaging.writers import (
     picture_summary,
     raw_summary,
@@ -224,54 +222,6 @@ def _profile(
         return None, error
 
 
-def captured(cube: Cube, camera: Camera, *, frame: int, work: Work, noisy: bool = True) -> Capture:
-    """Capture one image.
-
-    Parameters
-    ----------
-    frame
-        Number of the image in a burst.
-    work
-        Threads or executor for the computation.
-    noisy
-        As `rendered`; raw codes always have noise.
-
-    Raises
-    ------
-    InputError
-        As `rendered` and `acquired`.
-    """
-    settings, common = camera.settings, frame_settings(camera, frame=frame, work=work)
-    if not settings.raw:
-        picture = rendered(
-            cube,
-            camera.operating_point,
-            matrix=camera.matrix,
-            clip=settings.clip,
-            noisy=noisy,
-            **common,
-        )
-        return Capture(camera=camera, raw=None, picture=picture)
-    raw = acquired(cube, camera.operating_point, mosaic=camera.mosaic, adc=camera.adc, **common)
-    color = None
-    if camera.bank is not None:
-        here = Work(threads=work.threads, folder=work.folder)  # the codes are in this memory
-        color = developed(raw, camera.bank, matrix=camera.matrix, work=here)
-    return Capture(camera=camera, raw=raw, picture=color)
-
-
-def frame_settings(camera: Camera, *, frame: int, work: Work) -> dict[str, Any]:
-    """What `rendered`, `rendered_electrons` and `acquired` take for one frame of a camera."""
-    settings = camera.settings
-    return {
-        "seed": settings.seed,
-        "frame": frame,
-        "beyond": settings.beyond,
-        "bad_pixels": settings.bad_pixels,
-        "work": work,
-    }
-
-
 def any_picture(taken: Capture) -> Picture | RawPicture:
     """The color image if there is one, otherwise the codes."""
     found = taken.picture or taken.raw
@@ -329,72 +279,53 @@ def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], l
 
 def _written(name: str, stem: Path, taken: Capture) -> str:
     """The file's name; errors omit the scratch folder, whose name differs from run to run."""
+    ending, write = _WRITERS[name]
+    path = stem.parent / f"{stem.name}{ending}"
     try:
-        return _WRITERS[name](stem, taken)
+        write(path, taken, taken.raw if name in _RAW else taken.picture)
     except InputError as error:
         raise renamed(error, f"{stem.parent}{os.sep}", "") from None
-
-
-def _named(stem: Path, ending: str) -> Path:
-    return stem.parent / f"{stem.name}{ending}"
-
-
-def _png(stem: Path, taken: Capture) -> str:
-    assert taken.picture is not None
-    write_png(path := _named(stem, ".png"), taken.picture.srgb)
     return path.name
 
 
-def _xyz(stem: Path, taken: Capture) -> str:
-    assert taken.picture is not None
-    path, observer = _named(stem, ".xyz.tiff"), taken.picture.matrix.observer
-    write_xyz_tiff(path, taken.picture.xyz, observer=observer)
-    return path.name
+def _png(path: Path, _: Capture, picture: Picture) -> None:
+    write_png(path, picture.srgb)
 
 
-def _srgb16(stem: Path, taken: Capture) -> str:
-    assert taken.picture is not None
-    xyz, path = taken.picture.xyz, _named(stem, ".srgb16.tiff")
-    with srgb_tiff_rows(path, height=xyz.shape[0], width=xyz.shape[1]) as put:
-        for start, rows in parts_of_rows(xyz):
-            put(start, sixteen_bit_srgb(rows, taken.picture.white))
-    return path.name
+def _xyz(path: Path, _: Capture, picture: Picture) -> None:
+    write_xyz_tiff(path, picture.xyz, observer=picture.matrix.observer)
 
 
-def _exr(stem: Path, taken: Capture) -> str:
-    assert taken.picture is not None
-    write_linear_exr(path := _named(stem, ".exr"), taken.picture.xyz, taken.picture.white)
-    return path.name
+def _srgb16(path: Path, _: Capture, picture: Picture) -> None:
+    height, width = picture.xyz.shape[:2]
+    with srgb_tiff_rows(path, height=height, width=width) as put:
+        for start, rows in parts_of_rows(picture.xyz):
+            put(start, sixteen_bit_srgb(rows, picture.white))
 
 
-def _raw(stem: Path, taken: Capture) -> str:
-    assert taken.raw is not None
-    raw = taken.raw
-    write_mosaic_tiff(
-        path := _named(stem, ".raw.tiff"),
-        raw.codes,
-        sensor_name=raw.operating_point.sensor.name,
-        mosaic=raw.mosaic,
-        adc=raw.adc,
-    )
-    return path.name
+def _exr(path: Path, _: Capture, picture: Picture) -> None:
+    write_linear_exr(path, picture.xyz, picture.white)
 
 
-def _dng(stem: Path, taken: Capture) -> str:
-    assert taken.raw is not None
+def _raw(path: Path, _: Capture, raw: RawPicture) -> None:
+    name = raw.operating_point.sensor.name
+    write_mosaic_tiff(path, raw.codes, sensor_name=name, mosaic=raw.mosaic, adc=raw.adc)
+
+
+def _dng(path: Path, taken: Capture, raw: RawPicture) -> None:
     if taken.camera.profile is None:
         assert taken.camera.no_profile is not None
         raise taken.camera.no_profile
-    write_dng(path := _named(stem, ".dng"), taken.raw.codes, taken.camera.profile)
-    return path.name
+    write_dng(path, raw.codes, taken.camera.profile)
 
 
-_WRITERS: Mapping[str, Callable[[Path, Capture], str]] = {
-    "png": _png,
-    "xyz": _xyz,
-    "srgb16": _srgb16,
-    "exr": _exr,
-    "raw": _raw,
-    "dng": _dng,
+_WRITERS: Mapping[str, tuple[str, Callable[[Path, Capture, Any], None]]] = {
+    "png": (".png", _png),
+    "xyz": (".xyz.tiff", _xyz),
+    "srgb16": (".srgb16.tiff", _srgb16),
+    "exr": (".exr", _exr),
+    "raw": (".raw.tiff", _raw),
+    "dng": (".dng", _dng),
 }
+"""Ending and writer of each format: of color, or of the codes for those of `_RAW`."""
 _RAW = ("raw", "dng")

@@ -11,7 +11,7 @@ import numpy as np
 
 from chromanoise.base import Array, Float, Float32, Int, dataclass, inv
 from chromanoise.imaging.blocks import Scratch, new_rows
-from chromanoise.imaging.capture import Camera, Capture, captured, frame_settings
+from chromanoise.imaging.capture import Camera, Capture
 from chromanoise.imaging.demosaic import channel_tile
 from chromanoise.imaging.demosaic_methods import chart_electrons
 from chromanoise.imaging.denoising.electron_planes import (
@@ -21,7 +21,14 @@ from chromanoise.imaging.denoising.electron_planes import (
     unpacked,
 )
 from chromanoise.imaging.develop import developed
-from chromanoise.imaging.render import ALL_CORES, RawPicture, acquired, colored, rendered_electrons
+from chromanoise.imaging.render import (
+    ALL_CORES,
+    RawPicture,
+    acquired,
+    colored,
+    rendered,
+    rendered_electrons,
+)
 from chromanoise.imaging.shared_rows import Work, filled, threads_of
 from chromanoise.noise import OperatingPoint, after_counting, noise_sources
 from chromanoise.sensor import Mosaic, VarianceLaw
@@ -262,31 +269,50 @@ def captured_with(
 
     Parameters
     ----------
-    cube, camera, frame, work, noisy
-        As ``captured``.
+    cube
+        The cube of reflectances.
+    camera
+        Result of `camera_for`.
     method
         Of `DENOISING`; ``None`` for no denoising.
+    frame
+        Number of the image in a burst.
+    work
+        Threads or executor for the computation.
+    noisy
+        As `rendered`; raw codes always have noise.
 
     Raises
     ------
     InputError
-        As ``captured``, `planes_of_electrons` and the method.
+        As `rendered`, `acquired`, `planes_of_electrons` and the method.
     """
-    if method is None:
-        return captured(cube, camera, frame=frame, work=work, noisy=noisy)
-    settings, point, here = camera.settings, camera.operating_point, replace(work, executor=None)
-    common = frame_settings(camera, frame=frame, work=work)
-    note = f"denoised: {method.name}"
-    if not settings.raw:
-        electrons = rendered_electrons(cube, point, clip=settings.clip, noisy=noisy, **common)
+    settings, point = camera.settings, camera.operating_point
+    common: dict[str, Any] = {
+        "seed": settings.seed,
+        "frame": frame,
+        "beyond": settings.beyond,
+        "bad_pixels": settings.bad_pixels,
+        "work": work,
+    }
+    of_color: dict[str, Any] = {"clip": settings.clip, "noisy": noisy, **common}
+    here = replace(work, executor=None)  # what follows the capture is in this memory
+    raw = picture = values = None
+    if settings.raw:
+        raw = acquired(cube, point, mosaic=camera.mosaic, adc=camera.adc, **common)
+        if camera.bank is not None:
+            if method is None:
+                here = Work(threads=work.threads, folder=work.folder)
+            else:
+                values = denoised_mosaic(raw, method, work=here)
+            picture = developed(raw, camera.bank, matrix=camera.matrix, electrons=values, work=here)
+    elif method is None:
+        picture = rendered(cube, point, matrix=camera.matrix, **of_color)
+    else:
+        electrons = rendered_electrons(cube, point, **of_color)
         values = denoised_electrons(electrons.values_e, point, method, work=here)
-        electrons = replace(electrons, values_e=values, notes=(*electrons.notes, note))
-        picture = colored(electrons, matrix=camera.matrix, work=here)
-        return Capture(camera=camera, raw=None, picture=picture, denoised_by=method.name)
-    raw = acquired(cube, point, mosaic=camera.mosaic, adc=camera.adc, **common)
-    color = None
-    if camera.bank is not None:
-        values = denoised_mosaic(raw, method, work=here)
-        color = developed(raw, camera.bank, matrix=camera.matrix, electrons=values, work=here)
-        color = replace(color, notes=(*color.notes, note))
-    return Capture(camera=camera, raw=raw, picture=color, denoised_by=method.name)
+        picture = colored(replace(electrons, values_e=values), matrix=camera.matrix, work=here)
+    name = None if method is None else method.name
+    if picture is not None and name is not None:
+        picture = replace(picture, notes=(*picture.notes, f"denoised: {name}"))
+    return Capture(camera=camera, raw=raw, picture=picture, denoised_by=name)
