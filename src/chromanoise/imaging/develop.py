@@ -21,8 +21,8 @@ from chromanoise.imaging.demosaic_methods import (
     flat_field_noise,
 )
 from chromanoise.imaging.kernel_cache import kernel_of
-from chromanoise.imaging.plans import color_matrices, srgb_table
-from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, filled_colors
+from chromanoise.imaging.plans import srgb_table
+from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, picture_by_rows
 from chromanoise.imaging.shared_rows import Work
 from chromanoise.noise import (
     Measurement,
@@ -83,32 +83,20 @@ def developed(
             value=bank.mosaic.pattern,
             found=f"are made for {bank.mosaic.pattern}",
         )
-    point = operating_point
-    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
-    matrices, white = color_matrices(matrix, operating_point)
-    height, width = raw.codes.shape
     from_codes = electrons is None
-    plan = _Development(
-        values=raw.codes if electrons is None else electrons,
-        black=np.float32(raw.adc.black_level_dn if from_codes else 0.0),
-        gain_e=np.float32(raw.adc.gain_e_per_dn if from_codes else 1.0),
-        bank=bank,
-        matrices=matrices,
-    )
-    xyz, srgb = filled_colors(_developed_block, plan, height, width, work)
-    return Picture(
-        operating_point=operating_point,
-        matrix=matrix,
-        seed=raw.seed,
-        frame=raw.frame,
-        xyz=xyz,
-        srgb=srgb,
-        white=white,
-        mean_e=raw.mean_e,
-        above_full_well=raw.above_full_well,
-        clipped=True,
-        notes=(*raw.notes, f"demosaicked: {bank.made_by}"),
-    )
+
+    def plan(matrices: Float32[Array, "6 p"]) -> _Development:
+        return _Development(
+            values=raw.codes if electrons is None else electrons,
+            black=np.float32(raw.adc.black_level_dn if from_codes else 0.0),
+            gain_e=np.float32(raw.adc.gain_e_per_dn if from_codes else 1.0),
+            bank=bank,
+            matrices=matrices,
+        )
+
+    shape = (raw.codes.shape[0], raw.codes.shape[1])
+    picture = picture_by_rows(raw, shape, _developed_block, plan, matrix, work, clipped=True)
+    return replace(picture, notes=(*raw.notes, f"demosaicked: {bank.made_by}"))
 
 
 def _developed_block(

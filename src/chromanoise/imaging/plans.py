@@ -28,7 +28,7 @@ from chromanoise.base import (
     dataclass,
     refuse_absent_package,
 )
-from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
+from chromanoise.color import ColorMatrix, kernel_matrix, linear_srgb, srgb_from_linear
 from chromanoise.imaging import plain
 from chromanoise.imaging.blocks import (
     CHANNELS_AT_ONCE,
@@ -398,19 +398,23 @@ def color_plan(
 
 
 def color_matrices(
-    matrix: ColorMatrix, operating_point: OperatingPoint
-) -> tuple[Float32[Array, "6 p"], Float64[Array, " 3"]]:
-    """Matrices to XYZ and to white-balanced linear sRGB, and XYZ of the white, with Y = 1.
+    matrix: ColorMatrix | None, operating_point: OperatingPoint
+) -> tuple[ColorMatrix, Float32[Array, "6 p"], Float64[Array, " 3"]]:
+    """The matrix; matrices to XYZ and to white-balanced linear sRGB, and XYZ of the white, Y = 1.
+
+    The matrix is the kernel (eq. 6, quanta) if ``None``.
 
     Raises
     ------
     InputError
         As `white_lux_of`, or if the white is not valid for chromatic adaptation.
     """
-    white_lux = white_lux_of(matrix, operating_point)
+    point = operating_point
+    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
+    white_lux = white_lux_of(matrix, point)
     to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
     to_srgb = linear_srgb(np.eye(3), white).T @ to_xyz
-    return np.concatenate([to_xyz, to_srgb]).astype(np.float32), white
+    return matrix, np.concatenate([to_xyz, to_srgb]).astype(np.float32), white
 
 
 def white_lux_of(matrix: ColorMatrix, operating_point: OperatingPoint) -> Float[Array, " 3"]:

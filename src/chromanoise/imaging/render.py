@@ -1,7 +1,8 @@
 """Rendering of a cube by a sensor: a noisy color image, or the raw codes of a mosaic."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from chromanoise.base import (
     check,
     dataclass,
 )
-from chromanoise.color import ColorMatrix, kernel_matrix
+from chromanoise.color import ColorMatrix
 from chromanoise.imaging.blocks import Draw, Scratch, new_rows
 from chromanoise.imaging.kernel_cache import kernel_of
 from chromanoise.imaging.plans import (
@@ -205,14 +206,11 @@ def rendered(
         If the cube has an invalid reflectance or does not cover the grid, a number is out of
         range, or the matrix gives no luminance for this illuminant.
     """
-    point = operating_point
-    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
-    matrices, white = color_matrices(matrix, operating_point)
-    draw = draw_of(point, seed=seed, frame=frame, noisy=noisy)
-    products = _Products(
-        bands_within(cube, point.sensor.grid), point, draw, clip, beyond, bad_pixels, work
+    matrix, matrices, white = color_matrices(matrix, operating_point)
+    draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
+    ((xyz, srgb, counts),) = _products(
+        cube, operating_point, draw, [matrices], clip, beyond, bad_pixels, work
     )
-    xyz, srgb, counts = products.of(matrices)
     return Picture(
         operating_point=operating_point,
         matrix=matrix,
@@ -221,10 +219,8 @@ def rendered(
         xyz=xyz,
         srgb=srgb,
         white=white,
-        mean_e=counts.mean_e,
-        above_full_well=counts.above_full_well,
         clipped=clip,
-        notes=counts.notes,
+        **counts,
     )
 
 
@@ -295,28 +291,20 @@ def rendered_electrons(
     The color kernel gives three products of the electrons at a time, so the channels come as
     products with unit vectors, which are exact.
     """
-    point = operating_point
-    draw = draw_of(point, seed=seed, frame=frame, noisy=noisy)
-    products = _Products(
-        bands_within(cube, point.sensor.grid), point, draw, clip, beyond, bad_pixels, work
-    )
-    channels = len(point.sensor.names)
-    parts = []
-    for first in range(0, channels, 3):
-        unit = np.eye(channels, dtype=np.float32)[first : first + 3]
-        rows = np.zeros((6, channels), np.float32)
-        rows[: len(unit)] = unit
-        some, _, counts = products.of(rows)
-        parts.append(some[..., : len(unit)])
+    draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
+    channels = len(operating_point.sensor.names)
+    unit = np.eye(-(-channels // 3) * 3, channels, dtype=np.float32)
+    rows = [np.pad(unit[i : i + 3], ((0, 3), (0, 0))) for i in range(0, channels, 3)]
+    made_of = _products(cube, operating_point, draw, rows, clip, beyond, bad_pixels, work)
+    found = [(some, counts) for some, _, counts in made_of]
+    parts = [some[..., : channels - 3 * i] for i, (some, _) in enumerate(found)]
     return RenderedElectrons(
-        operating_point=point,
+        operating_point=operating_point,
         seed=seed,
         frame=frame,
         values_e=parts[0] if len(parts) == 1 else np.concatenate(parts, axis=-1),
-        mean_e=counts.mean_e,
-        above_full_well=counts.above_full_well,
         clipped=clip,
-        notes=counts.notes,
+        **found[0][1],
     )
 
 
@@ -342,47 +330,66 @@ def colored(
     InputError
         If the matrix is for other channels, or gives the white no luminance.
     """
-    point = electrons.operating_point
-    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
-    matrices, white = color_matrices(matrix, point)
-    height, width, _ = electrons.values_e.shape
-    plan = (electrons.values_e, matrices)
-    xyz, srgb = filled_colors(_colored_block, plan, height, width, work)
-    return Picture(
-        operating_point=point,
-        matrix=matrix,
-        seed=electrons.seed,
-        frame=electrons.frame,
-        xyz=xyz,
-        srgb=srgb,
-        white=white,
-        mean_e=electrons.mean_e,
-        above_full_well=electrons.above_full_well,
+    values = electrons.values_e
+    return picture_by_rows(
+        electrons,
+        (values.shape[0], values.shape[1]),
+        _colored_block,
+        lambda matrices: (values, matrices),
+        matrix,
+        work,
         clipped=electrons.clipped,
-        notes=electrons.notes,
     )
 
 
-def filled_colors(
-    fill: FillBlock, plan: Any, height: int, width: int, work: Work
-) -> tuple[Float32[Array, "h w 3"], UInt8[Array, "h w 3"]]:
-    """New XYZ and sRGB, filled by blocks of rows on threads of this process.
+def picture_by_rows(
+    taken: "RenderedElectrons | RawPicture",
+    shape: tuple[int, int],
+    fill: FillBlock,
+    plan_of: Callable[[Float32[Array, "6 p"]], Any],
+    matrix: ColorMatrix | None,
+    work: Work,
+    *,
+    clipped: bool,
+) -> Picture:
+    """The color image of what was captured, filled by rows on threads of this process.
 
     Parameters
     ----------
+    taken
+        Its point, counts and notes are those of the image.
+    shape
+        Rows and columns. [pixels]
     fill
         (plan, start, stop, scratch, xyz, srgb): fills the rows ``start`` to ``stop``.
-    height, width
-        [pixels]
+    plan_of
+        Function from the result of `color_matrices` to the plan for ``fill``.
+    matrix
+        As `rendered`.
     work
         Threads and rows per block.
+    clipped
+        Whether electrons were clipped to 0 and full well.
     """
-    xyz = new_rows((height, width, 3), np.float32, folder=work.folder)
-    srgb = new_rows((height, width, 3), np.uint8, folder=work.folder)
-    rows = work.tile_rows or _COLORED_ROWS
+    matrix, matrices, white = color_matrices(matrix, taken.operating_point)
+    xyz = new_rows((*shape, 3), np.float32, folder=work.folder)
+    srgb = new_rows((*shape, 3), np.uint8, folder=work.folder)
+    height, rows = shape[0], work.tile_rows or _COLORED_ROWS
     blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
-    filled(fill, plan, blocks, (xyz, srgb), replace(work, executor=None))
-    return xyz, srgb
+    filled(fill, plan_of(matrices), blocks, (xyz, srgb), replace(work, executor=None))
+    return Picture(
+        operating_point=taken.operating_point,
+        matrix=matrix,
+        seed=taken.seed,
+        frame=taken.frame,
+        xyz=xyz,
+        srgb=srgb,
+        white=white,
+        mean_e=taken.mean_e,
+        above_full_well=taken.above_full_well,
+        clipped=clipped,
+        notes=taken.notes,
+    )
 
 
 def _colored_block(
@@ -399,50 +406,47 @@ def _colored_block(
     color_of_electrons(values[start:stop], matrices, srgb_table(), xyz, srgb)
 
 
-@dataclass(frozen=True, eq=False)
-class _Products:
-    """Three products of the noisy electrons at every pixel, and three as codes of sRGB."""
-
-    cube: Cube
-    operating_point: OperatingPoint
-    draw: Draw
-    clip: bool
-    beyond: Beyond
-    bad_pixels: BadPixels
-    work: Work
-
-    def of(
-        self, matrices: Float32[Array, "6 p"]
-    ) -> tuple[Float32[Array, "h w 3"], UInt8[Array, "h w 3"], "_Counts"]:
-        """The products with the first three rows, the codes of the others, and the counts."""
-        point = self.operating_point
-        light = light_of(
-            self.cube, _of_counts(point), beyond=self.beyond, bad_pixels=self.bad_pixels
-        )
-        coupling = after_counting(point.sensor.crosstalk)
-        plan = color_plan(light, self.draw, point, matrices, coupling, clip=self.clip)
-        height, width, _ = light.source.shape
-        kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
-        blocks = row_blocks(row_source(self.cube.stored), self.work)
-        (products, codes), counts = made(color_block, plan, plan_for_rows, blocks, kinds, self.work)
+def _products(
+    cube: Cube,
+    point: OperatingPoint,
+    draw: Draw,
+    several: list[Float32[Array, "6 p"]],
+    clip: bool,
+    beyond: Beyond,
+    bad_pixels: BadPixels,
+    work: Work,
+) -> Iterator[tuple[Float32[Array, "h w 3"], UInt8[Array, "h w 3"], dict[str, Any]]]:
+    """For each of several matrices three products of the electrons at every pixel, the products
+    with its other rows as codes of sRGB, and the fields of a picture that are counted.
+    """
+    cube = bands_within(cube, point.sensor.grid)
+    light = light_of(cube, _of_counts(point), beyond=beyond, bad_pixels=bad_pixels)
+    coupling = after_counting(point.sensor.crosstalk)
+    height, width, _ = light.source.shape
+    kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
+    blocks = row_blocks(row_source(cube.stored), work)
+    for matrices in several:
+        plan = color_plan(light, draw, point, matrices, coupling, clip=clip)
+        (products, codes), counts = made(color_block, plan, plan_for_rows, blocks, kinds, work)
         total, above, bad = np.concatenate(counts).sum(axis=0)
-        return (
-            products,
-            codes,
-            _Counts(
-                total / (height * width),
-                above / (height * width),
-                _notes(point, light, int(bad[0])),
-            ),
-        )
+        pixels = height * width
+        yield products, codes, _counted(point, light, total / pixels, above / pixels, int(bad[0]))
 
 
-class _Counts(NamedTuple):
-    """What is counted while an image is rendered."""
-
-    mean_e: Float[Array, " p"]
-    above_full_well: Float[Array, " p"]
-    notes: tuple[str, ...]
+def _counted(
+    operating_point: OperatingPoint, light: Light, mean_e: Array, above: Array, bad: int
+) -> dict[str, Any]:
+    """What is counted while an image is rendered, and the notes, as fields of the image."""
+    pixels = "1 pixel" if bad == 1 else f"{bad} pixels"
+    mended = f"{pixels} held what is no reflectance; 0 was taken instead"
+    notes = (
+        *operating_point.sensor.notes,
+        *operating_point.illuminant.notes,
+        *light.cube.notes,
+        *light.notes,
+        *((mended,) if bad else ()),
+    )
+    return {"mean_e": mean_e, "above_full_well": above, "notes": notes}
 
 
 def acquired(
@@ -494,7 +498,7 @@ def acquired(
     blocks = row_blocks(row_source(cube.stored), work)
     (codes,), counts = made(raw_block, plan, plan_for_rows, blocks, kinds, work)
     member = owner == np.arange(len(sensor.names))[:, None]
-    own = member @ _pixels_of_channels(plan.tile, height, width, light.channels)
+    own = np.maximum(member @ _pixels_of_channels(plan.tile, height, width, light.channels), 1)
     sums = np.concatenate(counts).sum(axis=0)
     total, above = sums[:2] @ member.T
     return RawPicture(
@@ -504,9 +508,7 @@ def acquired(
         mosaic=mosaic,
         adc=adc,
         codes=codes,
-        mean_e=total / np.maximum(own, 1),
-        above_full_well=above / np.maximum(own, 1),
-        notes=_notes(operating_point, light, int(sums[2, 0])),
+        **_counted(operating_point, light, total / own, above / own, int(sums[2, 0])),
     )
 
 
@@ -621,15 +623,3 @@ def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> 
         pixels = len(range(column, width, columns))
         counts += pixels * np.bincount(whole[:, column], minlength=channels)
     return counts
-
-
-def _notes(operating_point: OperatingPoint, light: Light, bad: int) -> tuple[str, ...]:
-    pixels = "1 pixel" if bad == 1 else f"{bad} pixels"
-    mended = f"{pixels} held what is no reflectance; 0 was taken instead"
-    notes = (
-        *operating_point.sensor.notes,
-        *operating_point.illuminant.notes,
-        *light.cube.notes,
-        *light.notes,
-    )
-    return (*notes, mended) if bad else notes
