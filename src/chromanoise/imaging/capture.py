@@ -16,14 +16,13 @@ from chromanoise.base import (
     with_short_repr,
 )
 from chromanoise.color import ColorMatrix
-from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_methods import DEMOSAICING
 from chromanoise.imaging.dng import RawProfile, raw_profile, refuse_dng_size, write_dng
 from chromanoise.imaging.formats import FORMATS
 from chromanoise.imaging.plans import BadPixels, color_matrices, demand_well, draw_of
 from chromanoise.imaging.render import Picture, RawPicture, mosaic_of
-from chromanoise.imaging.row_files import openexr, write_linear_exr
+from chromanoise.imaging.row_files import openexr, write_in_parts, write_linear_exr
 from chromanoise.imaging.writers import (
     picture_summary,
     raw_summary,
@@ -298,9 +297,11 @@ def _xyz(path: Path, _: Capture, picture: Picture) -> None:
 
 def _srgb16(path: Path, _: Capture, picture: Picture) -> None:
     height, width = picture.xyz.shape[:2]
-    with srgb_tiff_rows(path, height=height, width=width) as put:
-        for start, rows in parts_of_rows(picture.xyz):
-            put(start, sixteen_bit_srgb(rows, picture.white))
+    write_in_parts(
+        srgb_tiff_rows(path, height=height, width=width),
+        picture.xyz,
+        encoded=lambda xyz: sixteen_bit_srgb(xyz, picture.white),
+    )
 
 
 def _exr(path: Path, _: Capture, picture: Picture) -> None:

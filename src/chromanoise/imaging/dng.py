@@ -18,8 +18,7 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, UInt16, check, dataclass, matrix_rank, pinv
 from chromanoise.color import ColorMatrix
-from chromanoise.imaging.blocks import parts_of_rows
-from chromanoise.imaging.row_files import PutRows, tiff_rows
+from chromanoise.imaging.row_files import PutRows, tiff_rows, write_in_parts
 from chromanoise.noise import OperatingPoint, expected_electrons, noise_sources, white_scene
 from chromanoise.sensor import Adc, Mosaic, shot_and_dark
 
@@ -285,9 +284,8 @@ def write_dng(path: Path, codes: UInt16[Array, "h w"], profile: RawProfile) -> N
     profile
         Color and noise of the camera for the tags.
     """
-    with dng_rows(path, height=codes.shape[0], width=codes.shape[1], profile=profile) as put:
-        for start, rows in parts_of_rows(codes):
-            put(start, rows)
+    height, width = codes.shape
+    write_in_parts(dng_rows(path, height=height, width=width, profile=profile), codes)
 
 
 def _tags(profile: RawProfile) -> tuple[tuple[Any, ...], ...]:

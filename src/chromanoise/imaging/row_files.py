@@ -8,7 +8,7 @@ clipping. Its files are written by the library `OpenEXR` of the Academy Software
 import errno
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from threading import Lock
 from typing import Any, BinaryIO
@@ -17,6 +17,7 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, check, optional_package
 from chromanoise.color import linear_srgb
+from chromanoise.imaging.blocks import parts_of_rows
 
 PutRows = Callable[[int, Array], None]
 """Function (index of the first row, rows): called from any thread, in any order, once per row."""
@@ -96,6 +97,28 @@ def tiff_rows(
         raise
     with _writing(path):
         file.close()
+
+
+def write_in_parts(
+    rows_of_file: AbstractContextManager[PutRows],
+    rows: Array,
+    *,
+    encoded: Callable[[Array], Array] = lambda part: part,
+) -> None:
+    """Write a picture in parts of its rows, so that little of it is copied.
+
+    Parameters
+    ----------
+    rows_of_file
+        Result of `tiff_rows`.
+    rows
+        The picture.
+    encoded
+        Function from a part to what is written of it.
+    """
+    with rows_of_file as put:
+        for start, part in parts_of_rows(rows):
+            put(start, encoded(part))
 
 
 def _empty_tiff(path: Path, **how: Any) -> tuple[BinaryIO, int]:
@@ -231,13 +254,7 @@ def _write_rgb(
     path: Path, color: Float[Array, "h w 3"], half: bool, attributes: dict[str, Any]
 ) -> None:
     library = openexr()
-    if not color.size:
-        raise InputError(
-            str(path),
-            "must have at least one pixel",
-            value=color.shape,
-            found=f"has shape {color.shape}",
-        )
+    check.shape(str(path), color, color.size > 0, "must have at least one pixel")
     if not np.isfinite(color).all():
         check.finite(f"color of {path}", "1", color)
     if half and (largest := float(np.abs(color).max())) > _LARGEST_HALF:

@@ -19,8 +19,7 @@ from chromanoise.base import Array, Float, UInt8, UInt16
 from chromanoise.color import adapted_to_d65, srgb_from_xyz
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.render import Picture, RawPicture
-from chromanoise.imaging.row_files import PutRows, tiff_rows
-from chromanoise.noise import OperatingPoint
+from chromanoise.imaging.row_files import PutRows, tiff_rows, write_in_parts
 from chromanoise.sensor import Adc, Mosaic
 from chromanoise.spectra import DEFAULT_OBSERVER
 
@@ -124,8 +123,8 @@ def write_srgb_tiff(path: Path, srgb: UInt16[Array, "h w 3"]) -> None:
     srgb
         Encoded R, G, B of each pixel, the channels last.
     """
-    with srgb_tiff_rows(path, height=srgb.shape[0], width=srgb.shape[1]) as put:
-        put(0, srgb)
+    height, width = srgb.shape[:2]
+    write_in_parts(srgb_tiff_rows(path, height=height, width=width), srgb)
 
 
 def xyz_tiff_rows(
@@ -170,9 +169,11 @@ def write_xyz_tiff(
         The observer of the colors.
     """
     height, width = xyz.shape[:2]
-    with xyz_tiff_rows(path, height=height, width=width, observer=observer) as put:
-        for start, rows in parts_of_rows(xyz):
-            put(start, rows.astype(np.float32, copy=False))
+    write_in_parts(
+        xyz_tiff_rows(path, height=height, width=width, observer=observer),
+        xyz,
+        encoded=lambda rows: rows.astype(np.float32, copy=False),
+    )
 
 
 def mosaic_tiff_rows(
@@ -262,11 +263,10 @@ def write_mosaic_tiff(
         Black level, gain and bits for the description.
     """
     height, width = codes.shape
-    with mosaic_tiff_rows(
+    file = mosaic_tiff_rows(
         path, height=height, width=width, sensor_name=sensor_name, mosaic=mosaic, adc=adc
-    ) as put:
-        for start, rows in parts_of_rows(codes):
-            put(start, rows)
+    )
+    write_in_parts(file, codes)
 
 
 def picture_summary(
@@ -279,19 +279,9 @@ def picture_summary(
     seconds
         Duration of each step, if measured; the only entry that differs between equal runs. [s]
     """
-    return {
-        **_situation_summary(picture.operating_point, picture.xyz.shape[:2]),
-        "metric": picture.metric,
-        "observer": picture.matrix.observer,
-        "seed": picture.seed,
-        "frame": picture.frame,
-        "mean_e": _by_channel(picture.operating_point, picture.mean_e),
-        "above_full_well_share": _by_channel(picture.operating_point, picture.above_full_well),
-        "clipped": picture.clipped,
-        "white_xyz": [float(v) for v in picture.white],
-        "notes": list(picture.notes),
-        **({} if seconds is None else {"seconds": dict(seconds)}),
-    }
+    first = {"metric": picture.metric, "observer": picture.matrix.observer}
+    last = {"clipped": picture.clipped, "white_xyz": [float(v) for v in picture.white]}
+    return _summary(picture, picture.xyz.shape, first, last, seconds)
 
 
 def raw_summary(
@@ -304,33 +294,43 @@ def raw_summary(
     seconds
         Duration of each step, if measured; the only entry that differs between equal runs. [s]
     """
-    return {
-        **_situation_summary(picture.operating_point, picture.codes.shape),
+    first = {
         "mosaic": [list(row) for row in picture.mosaic.pattern],
         "bits": picture.adc.bits,
         "gain_e_per_dn": picture.adc.gain_e_per_dn,
         "black_level_dn": picture.adc.black_level_dn,
+    }
+    return _summary(picture, picture.codes.shape, first, {}, seconds)
+
+
+def _summary(
+    picture: Picture | RawPicture,
+    shape: tuple[int, ...],
+    first: Mapping[str, Any],
+    last: Mapping[str, Any],
+    seconds: Mapping[str, float] | None,
+) -> dict[str, Any]:
+    """What both kinds have, around the first and the last entries of their own."""
+    point = picture.operating_point
+
+    def by_channel(values: Float[Array, " p"]) -> dict[str, float]:
+        return dict(zip(point.sensor.names, (float(v) for v in values), strict=True))
+
+    return {
+        "sensor": point.sensor.name,
+        "label": point.sensor.label,
+        "height_px": shape[0],
+        "width_px": shape[1],
+        "time_ms": 1e3 * point.exposure.time_s,
+        "f_number": point.exposure.f_number,
+        "illuminant": point.illuminant.name,
+        "level_lux": point.level_lux,
+        **first,
         "seed": picture.seed,
         "frame": picture.frame,
-        "mean_e": _by_channel(picture.operating_point, picture.mean_e),
-        "above_full_well_share": _by_channel(picture.operating_point, picture.above_full_well),
+        "mean_e": by_channel(picture.mean_e),
+        "above_full_well_share": by_channel(picture.above_full_well),
+        **last,
         "notes": list(picture.notes),
         **({} if seconds is None else {"seconds": dict(seconds)}),
     }
-
-
-def _situation_summary(operating_point: OperatingPoint, size: tuple[int, ...]) -> dict[str, Any]:
-    return {
-        "sensor": operating_point.sensor.name,
-        "label": operating_point.sensor.label,
-        "height_px": size[0],
-        "width_px": size[1],
-        "time_ms": 1e3 * operating_point.exposure.time_s,
-        "f_number": operating_point.exposure.f_number,
-        "illuminant": operating_point.illuminant.name,
-        "level_lux": operating_point.level_lux,
-    }
-
-
-def _by_channel(operating_point: OperatingPoint, values: Float[Array, " p"]) -> dict[str, float]:
-    return dict(zip(operating_point.sensor.names, (float(v) for v in values), strict=True))
