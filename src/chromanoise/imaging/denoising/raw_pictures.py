@@ -360,8 +360,7 @@ def merged_frames(
     """
     fixed = VarianceLaw(square=first.law.square) if fixed is None else fixed
     fixed = fixed.of_planes(len(first.names))
-    temporal = first.law - fixed
-    if not (temporal.variance_e2(first.prior_mean_e) > 0).all():
+    if not ((first.law - fixed).variance_e2(first.prior_mean_e) > 0).all():
         raise InputError(
             "temporal noise of the planes",
             "must be above 0 at the mean of typical scenes",
@@ -371,15 +370,7 @@ def merged_frames(
     check.within("false_alarm", "1", false_alarm, 1e-12, 0.5)
     if window_px < 1 or window_px % 2 == 0:
         raise InputError("window_px", "must be odd and at least 1 [pixels]", value=window_px)
-    test = _Test(
-        first=first,
-        fixed=fixed,
-        temporal=temporal,
-        saturation_e=np.inf if saturation_e is None else saturation_e,
-        limits=_limits(false_alarm, window_px**2 * len(first.names)),
-        window_px=window_px,
-    )
-    sums = _Sums(test)
+    sums = _Sums(first, fixed, saturation_e, false_alarm, window_px)
     for number, frame in enumerate(chain([BurstFrame(values_e=first.values_e)], others), start=1):
         if frame.values_e.shape != first.values_e.shape:
             raise InputError(
@@ -393,27 +384,54 @@ def merged_frames(
     return sums.burst()
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Test:
-    """Which values of a frame are used: those not saturated, where the frame agrees."""
+class _Sums:
+    """Running sums over the frames of a burst, of the values that are used.
 
-    first: NoisyPlanes
-    fixed: VarianceLaw
-    temporal: VarianceLaw
-    saturation_e: float
-    limits: Float[Array, " n"]
-    window_px: int
+    A value is used if it is not saturated, where its frame agrees with the first one.
+    """
 
-    def used(self, frame: BurstFrame, start: int, stop: int) -> Bool[Array, "rows w p"]:
+    def __init__(
+        self,
+        first: NoisyPlanes,
+        fixed: VarianceLaw,
+        saturation_e: float | None,
+        false_alarm: float,
+        window_px: int,
+    ) -> None:
+        self._first, self._fixed, self._temporal = first, fixed, first.law - fixed
+        self._saturation_e = np.inf if saturation_e is None else saturation_e
+        self._limits = _limits(false_alarm, window_px**2 * len(first.names))
+        self._window_px = window_px
+        self._frames, self._merged = 0, VarianceLaw()
+        self._values, self._used = (np.zeros(first.values_e.shape) for _ in range(2))
+        # of the weights w at relative exposures t: w, w / t
+        self._weights = np.zeros((2, len(first.names)))
+
+    def add(self, frame: BurstFrame) -> None:
+        """Add a frame where it is used."""
+        law = self._temporal.in_units_of(frame.exposure)
+        w = 1.0 / law.variance_e2(self._first.prior_mean_e)
+        share = w / frame.exposure
+        for start in range(0, len(self._values), _ROWS):
+            rows = slice(start, start + _ROWS)
+            values = frame.values_e[rows]
+            used = self._is_used(frame, start, start + len(values))
+            self._values[rows] += np.where(used, values * share, 0.0)
+            self._used[rows] += np.where(used, w, 0.0)
+        self._weights += (w, share)
+        self._merged += law.scaled(w**2)
+        self._frames += 1
+
+    def _is_used(self, frame: BurstFrame, start: int, stop: int) -> Bool[Array, "rows w p"]:
         """Whether each value of the rows ``start`` to ``stop`` is used."""
-        before = max(start - self.window_px // 2, 0)
-        rows = slice(before, stop + self.window_px // 2)
-        own, values = self.first.values_e[rows], frame.values_e[rows]
-        usable = values < self.saturation_e
-        both = usable & (own < self.saturation_e)
+        before = max(start - self._window_px // 2, 0)
+        rows = slice(before, stop + self._window_px // 2)
+        own, values = self._first.values_e[rows], frame.values_e[rows]
+        usable = values < self._saturation_e
+        both = usable & (own < self._saturation_e)
         squares = np.where(both, self._squares(own, values, frame.exposure), 0.0)
-        found, count = (_window_sums(one, self.window_px) for one in (squares, both))
-        agrees = found <= self.limits[count.round().astype(int)]
+        found, count = (_window_sums(one, self._window_px) for one in (squares, both))
+        agrees = found <= self._limits[count.round().astype(int)]
         return (usable & agrees[..., None])[start - before : stop - before]
 
     def _squares(
@@ -421,42 +439,17 @@ class _Test:
     ) -> Float[Array, "h w p"]:
         """Squared difference of a frame from the first one, over its variance. [1]"""
         light = np.maximum((own + values) / (1.0 + t), 0.0)
-        offsets = VarianceLaw(floor_e2=self.fixed.floor_e2 * (1.0 / t - 1.0) ** 2)
-        law = self.temporal.in_units_of(t) + self.temporal + offsets
+        offsets = VarianceLaw(floor_e2=self._fixed.floor_e2 * (1.0 / t - 1.0) ** 2)
+        law = self._temporal.in_units_of(t) + self._temporal + offsets
         return np.asarray((values / t - own) ** 2 / np.maximum(law.variance_e2(light), _LEAST_E2))
-
-
-class _Sums:
-    """Running sums over the frames of a burst."""
-
-    def __init__(self, test: _Test) -> None:
-        self._test, self._frames, self._temporal = test, 0, VarianceLaw()
-        self._values, self._used = (np.zeros(test.first.values_e.shape) for _ in range(2))
-        # of the weights w at relative exposures t: w, w / t
-        self._weights = np.zeros((2, len(test.first.names)))
-
-    def add(self, frame: BurstFrame) -> None:
-        """Add a frame where it is used."""
-        law = self._test.temporal.in_units_of(frame.exposure)
-        w = 1.0 / law.variance_e2(self._test.first.prior_mean_e)
-        share = w / frame.exposure
-        for start in range(0, len(self._values), _ROWS):
-            rows = slice(start, start + _ROWS)
-            values = frame.values_e[rows]
-            used = self._test.used(frame, start, start + len(values))
-            self._values[rows] += np.where(used, values * share, 0.0)
-            self._used[rows] += np.where(used, w, 0.0)
-        self._weights += (w, share)
-        self._temporal += law.scaled(w**2)
-        self._frames += 1
 
     def burst(self) -> Burst:
         """The merged frames."""
-        first, (w, share) = self._test.first, self._weights
+        first, (w, share) = self._first, self._weights
         values = np.array(first.values_e)
         np.divide(self._values, self._used, out=values, where=self._used > 0, casting="same_kind")
         self._used /= w
-        law = self._temporal.scaled(1.0 / w**2) + self._test.fixed.in_units_of(w / share)
+        law = self._merged.scaled(1.0 / w**2) + self._fixed.in_units_of(w / share)
         planes = replace(first, values_e=values, law=law)
         return Burst(planes=planes, used=self._used.astype(np.float32), frames=self._frames)
 
