@@ -667,28 +667,12 @@ def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
     return picture_prior(electrons, sensor.names, noise_e2=np.diagonal(noise))
 
 
-def _bilinear(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:
-    return bilinear_filters(mosaic, operating_point.sensor.names)
-
-
-def _malvar(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:
-    return malvar_filters(mosaic, operating_point.sensor.names)
-
-
-def _gradient(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:
-    return gradient_corrected_filters(
-        mosaic, operating_point.sensor.names, chart_prior(operating_point)
-    )
-
-
-def _lmmse(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:
-    return lmmse_filters(mosaic, chart_prior(operating_point))
-
-
 DEMOSAICING: Mapping[str, Callable[[Mosaic, OperatingPoint], FilterBank]] = {
-    "bilinear": _bilinear,
-    "malvar": _malvar,
-    "gradient": _gradient,
-    "lmmse": _lmmse,
+    "bilinear": lambda mosaic, point: bilinear_filters(mosaic, point.sensor.names),
+    "malvar": lambda mosaic, point: malvar_filters(mosaic, point.sensor.names),
+    "gradient": lambda mosaic, point: gradient_corrected_filters(
+        mosaic, point.sensor.names, chart_prior(point)
+    ),
+    "lmmse": lambda mosaic, point: lmmse_filters(mosaic, chart_prior(point)),
 }
 """All are linear, so their noise is predicted (`developed_color`). Malvar is for Bayer only."""

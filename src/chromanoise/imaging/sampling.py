@@ -2,6 +2,7 @@
 
 import os
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 
@@ -91,7 +92,8 @@ def noisy_electrons(
     electrons = new_rows(mean.shape, np.float32)
     if electrons.size:
         place = (own_width, first_row * width + first_column, width)
-        refused = _fill(mean, electrons, place, frame, seed, noise, threads)
+        stream = (np.uint64(frame), np.uint64(seed), np.float32(noise))
+        refused = _fill(mean, electrons, (*place, *stream), threads)
         if refused:
             check.non_negative("mean_e", "e-", mean.reshape(mean_e.shape))
     return electrons.reshape(height, own_width, channels)
@@ -100,33 +102,19 @@ def noisy_electrons(
 def _fill(
     mean: Float32[Array, "n p"],
     electrons: Float32[Array, "n p"],
-    place: tuple[int, int, int],
-    frame: int,
-    seed: int,
-    read_noise_e: float,
+    settings: tuple[Any, ...],
     threads: int | None,
 ) -> int:
-    """Fill ``electrons`` chunk by chunk; the result is the number of refused means."""
+    """Fill ``electrons`` chunk by chunk; the result is the number of refused means.
+
+    ``settings`` are the last arguments of the kernel: place in the picture, and noise.
+    """
     fill_noise = kernel_of("noise_draws", "fill_noise", mean.size)
     pixels, channels = mean.shape
     step = max(1, _CHUNK_LANES // channels)
-    own_width, origin, width = place
 
     def fill(start: int) -> int:
-        stop = min(start + step, pixels)
-        refused: int = fill_noise(
-            mean,
-            electrons,
-            start,
-            stop,
-            own_width,
-            origin,
-            width,
-            np.uint64(frame),
-            np.uint64(seed),
-            np.float32(read_noise_e),
-        )
-        return refused
+        return int(fill_noise(mean, electrons, start, min(start + step, pixels), *settings))
 
     starts = range(0, pixels, step)
     workers = min(threads or os.cpu_count() or 1, len(starts))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, Int, dataclass, inv
+from chromanoise.base import Array, Float, Float32, Int, inv
 from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.capture import Camera, Capture
 from chromanoise.imaging.demosaic import channel_tile
@@ -35,14 +35,6 @@ from chromanoise.sensor import Mosaic, VarianceLaw
 from chromanoise.spectra import Cube
 
 _FEWEST_ROWS = 128
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Denoising:
-    """What a strip needs."""
-
-    planes: NoisyPlanes
-    method: DenoisingMethod
 
 
 def denoised_planes(
@@ -72,22 +64,22 @@ def denoised_planes(
         rows = work.tile_rows or max(_FEWEST_ROWS, 2 * method.reach_px, -(-height // threads))
         rows = -(-rows // method.grid_px) * method.grid_px
         blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
-    plan = _Denoising(planes=planes, method=method)
-    filled(_denoised_strip, plan, blocks, (out,), replace(work, executor=None))
+    filled(_denoised_strip, (planes, method), blocks, (out,), replace(work, executor=None))
     return out
 
 
 def _denoised_strip(
-    plan: _Denoising, start: int, stop: int, scratch: Scratch, out: Float32[Array, "rows w p"]
+    plan: tuple[NoisyPlanes, DenoisingMethod],
+    start: int,
+    stop: int,
+    scratch: Scratch,
+    out: Float32[Array, "rows w p"],
 ) -> Any:
     """Fill ``out`` with the rows ``start`` to ``stop``."""
-    reach, grid = plan.method.reach_px, plan.method.grid_px
-    if reach is None:
-        out[:] = plan.method.denoise(plan.planes)
-        return
-    planes = plan.planes.rows(start, stop, reach_px=reach, grid_px=grid)
-    assert planes.needed is not None
-    out[:] = plan.method.denoise(planes)[slice(*planes.needed)]
+    planes, method = plan
+    if method.reach_px is not None:
+        planes = planes.rows(start, stop, reach_px=method.reach_px, grid_px=method.grid_px)
+    out[:] = method.denoise(planes)[slice(*(planes.needed or (start, stop)))]
 
 
 _NEIGHBORS = 0.95
