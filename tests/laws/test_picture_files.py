@@ -51,6 +51,11 @@ def drawn(*shape, dtype="uint16"):
     return rng.integers(0, 65536, shape).astype(dtype)
 
 
+def mosaic_rows(folder, height, width):
+    """Rows of the file m.tiff."""
+    return mosaic_tiff_rows(folder / "m.tiff", height=height, width=width, **TOLD)
+
+
 @contextmanager
 def files_no_larger_than(size):
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -137,7 +142,7 @@ def test_rows_put_in_any_order_make_the_file_of_the_whole_picture(tmp_path_facto
 def test_threads_may_put_rows_at_the_same_time(tmp_path):
     codes = drawn(400, 300)
     with (
-        mosaic_tiff_rows(tmp_path / "m.tiff", height=400, width=300, **TOLD) as put,
+        mosaic_rows(tmp_path, 400, 300) as put,
         ThreadPoolExecutor(8) as pool,
     ):
         list(pool.map(lambda row: put(row, codes[row : row + 1]), range(400)))
@@ -152,7 +157,7 @@ def test_how_rows_lie_in_memory_does_not_change_the_file(tmp_path, layout):
         "transposed": np.asfortranarray(codes),
         "strided": np.repeat(codes, 2, axis=1)[:, ::2],
     }[layout]
-    with mosaic_tiff_rows(tmp_path / "m.tiff", height=6, width=6, **TOLD) as put:
+    with mosaic_rows(tmp_path, 6, 6) as put:
         put(0, same)
     assert (tifffile.imread(tmp_path / "m.tiff") == codes).all()
 
@@ -185,7 +190,7 @@ def test_a_rerun_is_the_same_to_the_last_byte(tmp_path):
 def test_a_missing_row_is_told_and_never_zero(tmp_path):
     with (
         refused_input(where="row 3 (from 0)", value=2),
-        mosaic_tiff_rows(tmp_path / "m.tiff", height=5, width=2, **TOLD) as put,
+        mosaic_rows(tmp_path, 5, 2) as put,
     ):
         put(0, drawn(3, 2))
 
@@ -202,7 +207,7 @@ def test_a_missing_row_is_told_and_never_zero(tmp_path):
 def test_rows_that_do_not_fit_are_refused(tmp_path, start, rows, value):
     with (
         refused_input(subject=str(tmp_path / "m.tiff"), value=value),
-        mosaic_tiff_rows(tmp_path / "m.tiff", height=5, width=3, **TOLD) as put,
+        mosaic_rows(tmp_path, 5, 3) as put,
     ):
         put(start, rows)
 
@@ -217,7 +222,7 @@ def test_a_file_larger_than_allowed_is_told_before_the_first_row(tmp_path):
     with (
         files_no_larger_than(100_000),
         refused_input(subject=str(tmp_path / "m.tiff"), requirement="File too large"),
-        mosaic_tiff_rows(tmp_path / "m.tiff", height=1000, width=1000, **TOLD),
+        mosaic_rows(tmp_path, 1000, 1000),
     ):
         pytest.fail("rows were computed for a disk without space")
 
@@ -231,7 +236,7 @@ def test_a_full_disk_is_told_before_the_first_row(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "posix_fallocate", full)
     with (
         refused_input(subject=str(tmp_path / "m.tiff"), requirement="No space left on device"),
-        mosaic_tiff_rows(tmp_path / "m.tiff", height=10, width=10, **TOLD),
+        mosaic_rows(tmp_path, 10, 10),
     ):
         pytest.fail("rows were computed for a disk without space")
 
@@ -249,7 +254,7 @@ def test_a_disk_that_fills_while_rows_are_put_is_told(tmp_path, monkeypatch):
     monkeypatch.delattr("os.posix_fallocate", raising=False)
     with (
         refused_input(subject=str(tmp_path / "m.tiff")),
-        mosaic_tiff_rows(tmp_path / "m.tiff", height=1000, width=1000, **TOLD) as put,
+        mosaic_rows(tmp_path, 1000, 1000) as put,
         files_no_larger_than(100_000),
     ):
         put(0, drawn(1000, 1000))
@@ -263,7 +268,7 @@ def test_a_folder_that_is_not_there_is_told(tmp_path):
 def test_a_failure_of_the_computation_is_not_called_one_of_the_disk(tmp_path):
     with (
         pytest.raises(OSError, match="the cube ended"),
-        mosaic_tiff_rows(tmp_path / "m.tiff", height=5, width=3, **TOLD),
+        mosaic_rows(tmp_path, 5, 3),
     ):
         raise OSError("the cube ended")
 
@@ -276,7 +281,7 @@ def test_an_interrupted_run_leaves_no_file(tmp_path):
     with (
         pytest.raises(KeyboardInterrupt),
         whole_folder(tmp_path / "out", "a") as folder,
-        mosaic_tiff_rows(folder / "m.tiff", height=5, width=3, **TOLD) as put,
+        mosaic_rows(folder, 5, 3) as put,
     ):
         put(0, interrupted())
     assert not list(tmp_path.iterdir())
@@ -287,17 +292,20 @@ def test_a_png_comes_back():
     assert (np.asarray(Image.open(io.BytesIO(png_bytes(srgb)))) == srgb).all()
 
 
-def exr_of(path):
-    openexr = pytest.importorskip("OpenEXR")
+@pytest.fixture
+def openexr():
+    return pytest.importorskip("OpenEXR")
+
+
+def exr_of(openexr, path):
     with openexr.File(str(path)) as file:
         return file.channels()["RGB"].pixels, dict(file.header())
 
 
-def test_xyz_comes_back_from_its_exr_with_the_axes_as_primaries(tmp_path):
-    pytest.importorskip("OpenEXR")
+def test_xyz_comes_back_from_its_exr_with_the_axes_as_primaries(tmp_path, openexr):
     xyz = drawn(4, 7, 3, dtype="float32")
     write_xyz_exr(tmp_path / "x.exr", xyz, np.array([1.0985, 1.0, 0.3558]))
-    pixels, header = exr_of(tmp_path / "x.exr")
+    pixels, header = exr_of(openexr, tmp_path / "x.exr")
     assert pixels.dtype == np.float32
     assert (pixels == xyz).all()
     assert header["chromaticities"] == pytest.approx((1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3))
@@ -305,15 +313,14 @@ def test_xyz_comes_back_from_its_exr_with_the_axes_as_primaries(tmp_path):
     assert header["adoptedNeutral"] == pytest.approx([0.44758, 0.40745], abs=1e-4)
 
 
-def test_linear_light_in_exr_has_rec_709_primaries_white_at_1_and_no_clip(tmp_path):
-    pytest.importorskip("OpenEXR")
+def test_linear_light_in_exr_has_rec_709_primaries_white_at_1_and_no_clip(tmp_path, openexr):
     # columns: the XYZ of red, green, blue as IEC 61966-2-1 prints them; then twice white and below
     primaries = np.array(
         [[0.4124, 0.2126, 0.0193], [0.3576, 0.7152, 0.1192], [0.1805, 0.0722, 0.9505]]
     )
     xyz = np.vstack([primaries, D65, 2 * D65, -0.1 * D65])[None]
     write_linear_exr(tmp_path / "l.exr", xyz, D65)
-    pixels, header = exr_of(tmp_path / "l.exr")
+    pixels, header = exr_of(openexr, tmp_path / "l.exr")
     wanted = np.vstack([np.eye(3), np.ones(3), 2 * np.ones(3), -0.1 * np.ones(3)])
     assert pixels[0] == pytest.approx(wanted, abs=5e-4)
     # ITU-R BT.709: red .64 .33, green .30 .60, blue .15 .06, white .3127 .3290
@@ -322,26 +329,23 @@ def test_linear_light_in_exr_has_rec_709_primaries_white_at_1_and_no_clip(tmp_pa
     )
 
 
-def test_half_floats_miss_by_2_to_the_minus_11_at_most(tmp_path):
-    pytest.importorskip("OpenEXR")
+def test_half_floats_miss_by_2_to_the_minus_11_at_most(tmp_path, openexr):
     xyz = drawn(16, 16, 3, dtype="float32")
     write_xyz_exr(tmp_path / "h.exr", xyz, D65, half=True)
-    pixels, _ = exr_of(tmp_path / "h.exr")
+    pixels, _ = exr_of(openexr, tmp_path / "h.exr")
     assert pixels.dtype == np.float16
     miss = np.abs(pixels.astype("f4") - xyz)
     assert (miss <= np.maximum(2.0**-11 * np.abs(xyz), 2.0**-25)).all()
     assert miss.any()
 
 
-def test_an_exr_is_the_same_to_the_last_byte_on_a_rerun(tmp_path):
-    pytest.importorskip("OpenEXR")
+def test_an_exr_is_the_same_to_the_last_byte_on_a_rerun(tmp_path, openexr):
     for name in ("a", "b"):
         write_linear_exr(tmp_path / name, drawn(40, 50, 3, dtype="float32"), D65)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-def test_what_an_exr_cannot_hold_is_refused(tmp_path):
-    pytest.importorskip("OpenEXR")
+def test_what_an_exr_cannot_hold_is_refused(tmp_path, openexr):
     xyz = np.ones((2, 2, 3))
     with refused_input(value=70_000.0, setting="half"):
         write_xyz_exr(tmp_path / "h.exr", 70_000 * xyz, D65, half=True)
@@ -371,20 +375,17 @@ GREY = flat_cube(GRID.wavelength_nm, 0.5, height=4, width=6)
 
 def test_a_summary_tells_electrons_share_above_full_well_seed_and_the_time_of_each_step():
     picture = rendered(GREY, SITUATION, seed=7)
-    plain, timed = picture_summary(picture), picture_summary(picture, seconds={"render": 0.25})
-    assert timed == {**plain, "seconds": {"render": 0.25}}
-    assert (plain["seed"], plain["height_px"], plain["width_px"]) == (7, 4, 6)
-    assert plain["mean_e"] == dict(zip("BGR", picture.mean_e.tolist(), strict=True))
-    assert set(plain["above_full_well_share"]) == set("BGR")
-    assert json.loads(json.dumps(timed, allow_nan=False)) == timed
-
-
-def test_a_summary_of_a_raw_picture_tells_what_a_code_means():
     raw = acquired(GREY, SITUATION, mosaic=bayer(), adc=ADC, seed=3, frame=2)
-    plain, timed = raw_summary(raw), raw_summary(raw, seconds={"raw": 0.5})
-    assert timed == {**plain, "seconds": {"raw": 0.5}}
-    assert plain["mosaic"] == [["R", "G"], ["G", "B"]]
-    assert [plain[k] for k in ("bits", "gain_e_per_dn", "black_level_dn")] == [12, 2.5, 64]
-    assert (plain["seed"], plain["frame"]) == (3, 2)
-    assert plain["mean_e"] == dict(zip("BGR", raw.mean_e.tolist(), strict=True))
-    assert json.loads(json.dumps(timed, allow_nan=False)) == timed
+    of_raw = {"bits": 12, "gain_e_per_dn": 2.5, "black_level_dn": 64, "seed": 3, "frame": 2}
+    of_raw["mosaic"] = [["R", "G"], ["G", "B"]]  # what a code means
+    for taken, summary, known in (
+        (picture, picture_summary, {"seed": 7, "frame": 0}),
+        (raw, raw_summary, of_raw),
+    ):
+        plain, timed = summary(taken), summary(taken, seconds={"render": 0.25})
+        assert timed == {**plain, "seconds": {"render": 0.25}}
+        known |= {"height_px": 4, "width_px": 6}
+        assert {name: plain[name] for name in known} == known
+        assert plain["mean_e"] == dict(zip("BGR", taken.mean_e.tolist(), strict=True))
+        assert set(plain["above_full_well_share"]) == set("BGR")
+        assert json.loads(json.dumps(timed, allow_nan=False)) == timed

@@ -86,6 +86,24 @@ def matrix_of(operating_point):
     return kernel_matrix(operating_point.sensor, operating_point.exposure)
 
 
+def profile_at(operating_point, mosaic=None, adc=ADC):
+    """The profile that the library makes for the kernel matrix."""
+    matrix = matrix_of(operating_point)
+    return raw_profile(operating_point, matrix, mosaic=mosaic or bayer(), adc=adc)
+
+
+def tags_of(path, profile):
+    """The tags of a small picture with this profile."""
+    write_dng(path, drawn(22, 22), profile)
+    with tifffile.TiffFile(path) as file:
+        return {tag.name: tag.value for tag in file.pages[0].tags}
+
+
+def fractions(numbers):
+    parts = np.array(numbers).reshape(-1, 2)
+    return parts[:, 0] / parts[:, 1]
+
+
 def fine_adc(white_e):
     """So many codes that their rounding does not matter."""
     return Adc(bits=16, gain_e_per_dn=float(white_e.max()) / 50_000, black_level_dn=512)
@@ -143,10 +161,9 @@ def test_tifffile_reads_every_tag_back(tmp_path):
         as_shot_neutral=np.array([1.0, 0.25, 0.5, 0.75]),
         noise_profile=noise,
     )
-    write_dng(tmp_path / "a.dng", drawn(22, 22), profile)
+    tags = tags_of(tmp_path / "a.dng", profile)
     with tifffile.TiffFile(tmp_path / "a.dng") as file:
         page = file.pages[0]
-        tags = {tag.name: tag.value for tag in page.tags}
         assert page.photometric == tifffile.PHOTOMETRIC.CFA
         assert (page.bitspersample, page.compression) == (16, 1)
         assert not file.is_bigtiff
@@ -158,10 +175,8 @@ def test_tifffile_reads_every_tag_back(tmp_path):
     assert tuple(tags["DNGVersion"]) == (1, 4, 0, 0)
     assert tags["UniqueCameraModel"] == "chromanoise Gr?n"
     order = [2, 3, 1, 0]
-    shares = np.array(tags["ColorMatrix1"]).reshape(-1, 2)
-    assert (shares[:, 0] / shares[:, 1]).reshape(4, 3) == pytest.approx(matrix[order])
-    shares = np.array(tags["AsShotNeutral"]).reshape(-1, 2)
-    assert shares[:, 0] / shares[:, 1] == pytest.approx([0.5, 0.75, 0.25, 1.0])
+    assert fractions(tags["ColorMatrix1"]).reshape(4, 3) == pytest.approx(matrix[order])
+    assert fractions(tags["AsShotNeutral"]) == pytest.approx([0.5, 0.75, 0.25, 1.0])
     assert np.reshape(tags["NoiseProfile"], (4, 2)) == pytest.approx(noise[order], rel=1e-15)
 
 
@@ -170,9 +185,8 @@ def test_tifffile_reads_every_tag_back(tmp_path):
 )
 def test_the_light_has_its_number_in_exif(tmp_path, name, number):
     # Exif 2.3 (CIPA DC-008-2012), LightSource; 0 is unknown
-    write_dng(tmp_path / "a.dng", drawn(22, 22), profile_of(bayer(), illuminant=name))
-    with tifffile.TiffFile(tmp_path / "a.dng") as file:
-        assert file.pages[0].tags["CalibrationIlluminant1"].value == number
+    tags = tags_of(tmp_path / "a.dng", profile_of(bayer(), illuminant=name))
+    assert tags["CalibrationIlluminant1"] == number
 
 
 def developed(path):
@@ -203,7 +217,7 @@ def test_libraw_develops_a_gray_as_gray(tmp_path, names, mosaic, lamp):
     operating_point = seen_by(names, cie_illuminant(lamp, GRID))
     white = electrons_of(operating_point)
     adc = fine_adc(white)
-    profile = raw_profile(operating_point, matrix_of(operating_point), mosaic=mosaic, adc=adc)
+    profile = profile_at(operating_point, mosaic, adc)
     write_dng(tmp_path / "a.dng", flat_codes(0.3 * white, mosaic, names, adc), profile)
     color = developed(tmp_path / "a.dng")
     assert color == pytest.approx(color.mean() * np.ones(3), rel=5e-3)
@@ -220,7 +234,7 @@ def test_libraw_develops_our_color(tmp_path, center_nm):
     matrix, white = matrix_of(operating_point), electrons_of(operating_point)
     adc = fine_adc(white)
     electrons = electrons_of(operating_point, pale(center_nm))
-    profile = raw_profile(operating_point, matrix, mosaic=bayer(), adc=adc)
+    profile = profile_at(operating_point, adc=adc)
     write_dng(tmp_path / "a.dng", flat_codes(electrons, bayer(), "RGB", adc), profile)
     theirs = developed(tmp_path / "a.dng")
     ours = linear_srgb(matrix.matrix @ electrons, matrix.matrix @ white)
@@ -234,11 +248,8 @@ def test_a_reader_who_does_what_the_specification_says_finds_our_color(tmp_path,
     # of CFAPlaneColor, here R G B W
     operating_point = seen_by(names)
     matrix = matrix_of(operating_point)
-    profile = raw_profile(operating_point, matrix, mosaic=mosaic, adc=ADC)
-    write_dng(tmp_path / "a.dng", drawn(22, 22), profile)
-    with tifffile.TiffFile(tmp_path / "a.dng") as file:
-        parts = np.array(file.pages[0].tags["ColorMatrix1"].value).reshape(-1, 2)
-    inverse = np.linalg.pinv((parts[:, 0] / parts[:, 1]).reshape(-1, 3))
+    tags = tags_of(tmp_path / "a.dng", profile_at(operating_point, mosaic))
+    inverse = np.linalg.pinv(fractions(tags["ColorMatrix1"]).reshape(-1, 3))
     for electrons in (electrons_of(operating_point), electrons_of(operating_point, pale(450))):
         theirs, ours = inverse @ electrons, matrix.matrix @ electrons
         assert theirs / theirs[1] == pytest.approx(ours / ours[1], rel=1e-4)
@@ -247,11 +258,9 @@ def test_a_reader_who_does_what_the_specification_says_finds_our_color(tmp_path,
 def test_the_noise_profile_is_the_variance_of_codes(tmp_path):
     adc = Adc(bits=14, gain_e_per_dn=1.7, black_level_dn=300)
     operating_point = seen_by("RGB")
-    profile = raw_profile(operating_point, matrix_of(operating_point), mosaic=bayer(), adc=adc)
-    write_dng(tmp_path / "a.dng", drawn(22, 22), profile)
-    with tifffile.TiffFile(tmp_path / "a.dng") as file:
-        slope, offset = file.pages[0].tags["NoiseProfile"].value[:2]
-        black, top = (file.pages[0].tags[n].value for n in ("BlackLevel", "WhiteLevel"))
+    tags = tags_of(tmp_path / "a.dng", profile_at(operating_point, adc=adc))
+    slope, offset = tags["NoiseProfile"][:2]
+    black, top = tags["BlackLevel"], tags["WhiteLevel"]
     rng = np.random.default_rng(5)
     n = 200_000
     for mean_e in (0.0, 30.0, 2000.0, 20_000.0):
@@ -270,7 +279,7 @@ def test_the_white_level_is_where_pixels_saturate_and_the_noise_profile_knows_th
     pixel = replace(pixel, dark_current_e_per_s=100_000.0, row_noise_e=15.0)  # 2,000 e- in 20 ms
     operating_point = seen_by("RGB", pixel=pixel)
     adc = Adc(bits=14, gain_e_per_dn=2.0, black_level_dn=300)
-    profile = raw_profile(operating_point, matrix_of(operating_point), mosaic=bayer(), adc=adc)
+    profile = profile_at(operating_point, adc=adc)
 
     def codes(rho, level_lux):
         cube = flat_cube(GRID.wavelength_nm, rho, height=400, width=400)
@@ -291,7 +300,7 @@ def test_a_gain_that_hides_the_full_well_is_refused():
     operating_point = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
     adc = Adc(bits=8, gain_e_per_dn=20_000.0, black_level_dn=50)
     with refused_input(value=50, requirement="black level 50"):
-        raw_profile(operating_point, matrix_of(operating_point), mosaic=bayer(), adc=adc)
+        profile_at(operating_point, adc=adc)
 
 
 def test_noise_of_a_code_by_hand():
@@ -412,10 +421,7 @@ def test_what_the_engine_acquires_comes_back_from_its_dng(tmp_path):
     operating_point = seen_by("RGBW")
     cube = flat_cube(GRID.wavelength_nm, 0.5, height=23, width=26)
     raw = acquired(cube, operating_point, mosaic=rgbw_2x2(), seed=4)
-    profile = raw_profile(
-        operating_point, matrix_of(operating_point), mosaic=raw.mosaic, adc=raw.adc
-    )
-    write_dng(tmp_path / "a.dng", raw.codes, profile)
+    write_dng(tmp_path / "a.dng", raw.codes, profile_at(operating_point, raw.mosaic, raw.adc))
     with rawpy.imread(str(tmp_path / "a.dng")) as seen:
         assert (seen.raw_image_visible == raw.codes).all()
 
