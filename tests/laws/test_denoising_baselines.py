@@ -8,13 +8,12 @@ import pytest
 from chromanoise.base.rng import stream
 from chromanoise.imaging.denoising import (
     DENOISING,
-    NoisyPlanes,
     denoised_planes,
     stabilized,
     unstabilized,
 )
 from chromanoise.imaging.denoising.methods import BASELINES
-from chromanoise.sensor import VarianceLaw
+from noisy_planes import planes_with
 from outcomes import refused_input
 
 DRAWS = 40_000
@@ -22,15 +21,8 @@ LAWS = [(1.0, 1.0, 0.0), (10.0, 1.0, 0.0), (3.0, 1.0, 0.02), (1.0, 1.0, 0.05), (
 """Read noise, slope and PRNU."""
 
 
-def planes_of(values_e, *, read_noise_e, slope_e=1.0, prnu=0.0, prior_e2=None, prior_mean_e=None):
-    count = values_e.shape[-1]
-    return NoisyPlanes(
-        values_e=values_e.astype(np.float32),
-        law=VarianceLaw(floor_e2=read_noise_e**2, slope_e=slope_e, square=prnu**2),
-        prior_e2=np.eye(count) if prior_e2 is None else prior_e2,
-        prior_mean_e=np.ones(count) if prior_mean_e is None else prior_mean_e,
-        names=tuple("RGBW"[:count]),
-    )
+def planes_of(values_e, *, read_noise_e, slope_e=1.0, **more):
+    return planes_with(values_e, floor_e2=read_noise_e**2, slope_e=slope_e, **more)
 
 
 def flat(mean_e, read_noise_e, slope_e, prnu, shape=(1, DRAWS)):

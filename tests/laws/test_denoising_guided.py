@@ -9,12 +9,12 @@ from scipy.ndimage import uniform_filter
 
 from chromanoise.base.rng import stream
 from chromanoise.color import kernel_matrix
-from chromanoise.imaging.denoising import NoisyPlanes, denoised_planes
+from chromanoise.imaging.denoising import denoised_planes
 from chromanoise.imaging.denoising.guided import GUIDED, denoise
 from chromanoise.imaging.denoising.guided_kernels import add_estimates
 from chromanoise.imaging.shared_rows import Work
-from chromanoise.sensor import VarianceLaw
 from chromanoise.study import sensor_named
+from noisy_planes import planes_with
 from strategies import EXPOSURE
 
 LARGEST_WINDOW = 11 * 11
@@ -27,23 +27,10 @@ def to_xyz():
     return kernel_matrix(sensor_named("onyx-rgbw"), EXPOSURE).matrix
 
 
-def planes_of(values_e, floor_e2=0.0, slope_e=0.0, prnu=0.0):
-    p = values_e.shape[-1]
-    return NoisyPlanes(
-        values_e=np.asarray(values_e, np.float32),
-        law=VarianceLaw(
-            floor_e2=np.broadcast_to(np.float64(floor_e2), p), slope_e=slope_e, square=prnu**2
-        ),
-        prior_e2=np.eye(p),
-        prior_mean_e=np.ones(p),
-        names=tuple(map(str, range(p))),
-    )
-
-
 def noisy(mean_e, *seed, **noise):
     """Planes of normal noise about a mean; the variance is that of the model."""
-    spread = np.sqrt(planes_of(mean_e, **noise).variance_e2(mean_e))
-    return planes_of(mean_e + spread * stream(19, *seed).normal(size=np.shape(mean_e)), **noise)
+    spread = np.sqrt(planes_with(mean_e, **noise).variance_e2(mean_e))
+    return planes_with(mean_e + spread * stream(19, *seed).normal(size=np.shape(mean_e)), **noise)
 
 
 def flat(mean_e, height=96, width=128):
@@ -145,7 +132,7 @@ def scene(p=4, height=70, width=90):
 @pytest.mark.parametrize("noise_e", [0.0, 1e-12, 1e-3, 0.1])
 def test_values_without_noise_come_back(count, noise_e):
     values = scene(count)
-    found = denoise(planes_of(values, floor_e2=noise_e**2))
+    found = denoise(planes_with(values, floor_e2=noise_e**2))
     assert np.abs(found / values - 1).max() < 1e-3
 
 
@@ -218,7 +205,7 @@ def test_a_value_changes_only_what_is_within_reach():
     planes = noisy(scene(2, 400, 24), 10, floor_e2=400.0)
     other = planes.values_e.copy()
     other[200] += 500.0
-    changed = (denoise(planes_of(other, floor_e2=400.0)) != denoise(planes)).any(axis=(1, 2))
+    changed = (denoise(planes_with(other, floor_e2=400.0)) != denoise(planes)).any(axis=(1, 2))
     rows = np.flatnonzero(changed)
     assert GUIDED.reach_px - 20 < max(200 - rows[0], rows[-1] - 200) <= GUIDED.reach_px
 
@@ -233,7 +220,7 @@ def test_a_value_changes_only_what_is_within_reach():
 def test_small_pictures_have_finite_values_of_their_own_range(height, width, count, seed, noise):
     values = stream(19, seed).normal(0.0, 50.0, (height, width, count))
     values[values > 60.0] *= 1000.0
-    found = denoise(planes_of(values, **noise))
+    found = denoise(planes_with(values, **noise))
     assert found.shape == values.shape
     assert np.isfinite(found).all()
     if not noise or height * width == 1:
@@ -245,7 +232,7 @@ def test_the_order_and_the_unit_of_the_planes_do_not_matter(order, unit):
     order = list(order)
     noise = {"floor_e2": np.array([25.0, 100.0, 4.0, 400.0]), "slope_e": np.array([1, 2, 0, 1.0])}
     planes = noisy(scene(4, 20, 30), 11, **noise)
-    other = planes_of(
+    other = planes_with(
         planes.values_e[..., order] * unit,
         floor_e2=noise["floor_e2"][order] * unit**2,
         slope_e=noise["slope_e"][order] * unit,
@@ -255,5 +242,5 @@ def test_the_order_and_the_unit_of_the_planes_do_not_matter(order, unit):
 
 def test_a_transposed_picture_gives_the_transposed_result():
     planes = noisy(scene(3, 41, 66), 12, slope_e=1.0, floor_e2=100.0)
-    other = planes_of(planes.values_e.swapaxes(0, 1), slope_e=1.0, floor_e2=100.0)
+    other = planes_with(planes.values_e.swapaxes(0, 1), slope_e=1.0, floor_e2=100.0)
     assert np.abs(denoise(other).swapaxes(0, 1) / denoise(planes) - 1).max() < 1e-3

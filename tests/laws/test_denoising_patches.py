@@ -7,24 +7,21 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chromanoise.imaging.denoising import NoisyPlanes, denoised_planes
+from chromanoise.imaging.denoising import denoised_planes
 from chromanoise.imaging.denoising.patches import PATCHES, patches_estimate
 from chromanoise.imaging.shared_rows import Work
 from chromanoise.sensor import VarianceLaw
+from noisy_planes import planes_with
 
 
-def planes_of(values, *, floor=100.0, slope=1.0, prnu=0.0, mean=None):
+def planes_of(values, *, floor=100.0, slope=1.0, prnu=0.0, mean=100.0):
     """Planes with one noise model; the prior is that of planes which vary together."""
-    values = np.asarray(values, np.float32)
     count = values.shape[-1]
-    mean = 100.0 if mean is None else mean
-    return NoisyPlanes(
-        values_e=values,
-        law=VarianceLaw(floor_e2=floor, slope_e=slope, square=prnu**2),
-        prior_e2=mean**2 * (0.9 + 0.1 * np.eye(count)),
-        prior_mean_e=np.full(count, mean),
-        names=tuple(f"c{i}" for i in range(count)),
-    )
+    prior = {
+        "prior_e2": mean**2 * (0.9 + 0.1 * np.eye(count)),
+        "prior_mean_e": np.full(count, mean),
+    }
+    return planes_with(values, floor_e2=floor, slope_e=slope, prnu=prnu, **prior)
 
 
 def scene(height, width, count):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from chromanoise.imaging.denoising import NoisyPlanes, guided, guided_plain
-from chromanoise.sensor import VarianceLaw
+from chromanoise.imaging.denoising import guided, guided_plain
+from noisy_planes import planes_with
 
 FLOOR_E2 = np.array([4.0, 30.0, 0.0, 9.0])
 
@@ -16,14 +16,8 @@ def planes(shape, seed=3):
     across = np.linspace(20.0, 400.0, w)[None, :, None] * np.linspace(0.4, 1.0, p)
     clean = np.where((np.arange(h) > h // 2)[:, None, None], across, 0.3 * across[:, ::-1])
     sd = np.sqrt(FLOOR_E2[:p] + clean)
-    values = (clean + sd * random.normal(size=shape)).astype(np.float32)
-    return NoisyPlanes(
-        values_e=values,
-        law=VarianceLaw(floor_e2=FLOOR_E2[:p], slope_e=np.ones(p)),
-        prior_e2=np.eye(p),
-        prior_mean_e=np.ones(p),
-        names=tuple("RGBW"[:p]),
-    )
+    values = clean + sd * random.normal(size=shape)
+    return planes_with(values, floor_e2=FLOOR_E2[:p], slope_e=1.0)
 
 
 @pytest.mark.parametrize("shape", [(64, 96, 3), (45, 71, 4), (33, 40, 1), (16, 17, 2)])

@@ -9,15 +9,15 @@ import tifffile
 import chromanoise as cn
 from chromanoise.imaging import chart_electrons
 from chromanoise.imaging.denoising import (
-    NoisyPlanes,
     at_brightness,
     code_noise_of_profile,
     measured_noise_ratio,
     neutral_planes,
 )
 from chromanoise.io.frames import frames_in
-from chromanoise.sensor import MOSAIC_NAMES, VarianceLaw, mosaic_named
+from chromanoise.sensor import MOSAIC_NAMES, mosaic_named
 from chromanoise.study import operating_points_of, prepared_denoising
+from noisy_planes import planes_with
 from outcomes import refused, refused_input
 
 SENSOR = "onyx-rgb-ircut"  # 10,000 e- at the top code 4095, 10 e- read noise
@@ -140,13 +140,7 @@ def test_noise_is_measured_where_the_picture_is_smoothest(assumed_e, ratio):
     rng = np.random.default_rng(4)
     values = 4 * rng.standard_normal((96, 200, 1)) + 50 * np.indices((96, 200, 1))[0]
     values[:, 100:] += 40 * rng.standard_normal((96, 100, 1))  # detail in one half
-    planes = NoisyPlanes(
-        values_e=values.astype(np.float32),
-        law=VarianceLaw(floor_e2=assumed_e**2),
-        prior_e2=np.eye(1),
-        prior_mean_e=np.ones(1),
-        names=("W",),
-    )
+    planes = planes_with(values, floor_e2=assumed_e**2)
     found = measured_noise_ratio(planes, np.zeros(values.shape, bool))
     assert found[0] == pytest.approx(ratio, rel=0.1)
 
