@@ -50,10 +50,15 @@ BANKS = {
 every_bank = pytest.mark.parametrize("bank", BANKS.values(), ids=BANKS.keys())
 
 
+def tile_of(bank):
+    """Number of the channel at each place."""
+    return np.array([[bank.names.index(c) for c in row] for row in bank.mosaic.pattern])
+
+
 def raw_quanta(bank, mean, variance):
     """share M^2 / v on the diagonal: what counting every pixel gives."""
-    pixels = [name for row in bank.mosaic.pattern for name in row]
-    share = np.array([pixels.count(name) / len(pixels) for name in bank.names])
+    tile = tile_of(bank)
+    share = np.bincount(tile.ravel()) / tile.size
     return np.diag(share * mean**2 / variance)
 
 
@@ -105,8 +110,7 @@ def test_quanta_are_transfer_over_noise_spectrum_by_the_response_to_waves(bank):
     fy, fx = 3, 2
     y, x = np.mgrid[-margin : n + margin, -margin : n + margin]
     wave = np.exp(2j * np.pi * (fy * y + fx * x) / n)
-    tile = np.array([[bank.names.index(c) for c in row] for row in bank.mosaic.pattern])
-    channel = tile[y % ty, x % tx]
+    channel = tile_of(bank)[y % ty, x % tx]
     assert margin % ty == margin % tx == 0
     transfer = np.empty((p, p), dtype=complex)
     for d in range(p):
@@ -126,7 +130,7 @@ def full_noise_spectrum(bank, variance, frequency):
     """By the correlation of the outputs at all pairs of pixels of a period, quadrature included."""
     (ty, tx), r = bank.kernels.shape[:2], bank.radius
     p, side = len(bank.names), bank.kernels.shape[-1]
-    tile = np.array([[bank.names.index(c) for c in row] for row in bank.mosaic.pattern])
+    tile = tile_of(bank)
     weights = {}  # of raw pixel (y, x) in the outputs, as waves
     for a, b in np.ndindex(ty, tx):
         for i, j in np.ndindex(side, side):
@@ -148,8 +152,7 @@ class Reader:
         self.bank, self.n, (ty, tx) = bank, len(signal), bank.kernels.shape[:2]
         p, n = len(bank.names), self.n
         self.margin = -(-bank.radius // (ty * tx)) * ty * tx
-        tile = np.array([[bank.names.index(c) for c in row] for row in bank.mosaic.pattern])
-        channel = np.tile(tile, (n // ty, n // tx))
+        channel = np.tile(tile_of(bank), (n // ty, n // tx))
         self.mean = MEAN[channel]
         self.change = self.mean * np.take_along_axis(signal, channel[..., None], axis=2)[..., 0]
         waves = np.fft.fft2(signal, axes=(0, 1))

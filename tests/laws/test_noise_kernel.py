@@ -154,8 +154,13 @@ def moment_scores(counts, mean):
 
 
 @pytest.mark.parametrize("mean", MEANS[1:])
-def test_electrons_are_poisson_by_chi_square_kolmogorov_and_four_moments(mean):
-    counts, mean = counted(mean), float(np.float32(mean))
+@pytest.mark.parametrize(
+    "draws",
+    [{}, pytest.param({"side": 1024, "seed": 21, "frames": 24}, marks=pytest.mark.evidence)],
+    ids=["a million", "a hundred million"],
+)
+def test_electrons_are_poisson_by_chi_square_kolmogorov_and_four_moments(draws, mean):
+    counts, mean = counted(mean, **draws), float(np.float32(mean))
     assert chi_square_z(counts, mean) < 5
     assert kolmogorov_p(counts, mean) > 6e-7  # |z| < 5
     assert np.abs(moment_scores(counts, mean)).max() < 5
@@ -249,12 +254,3 @@ def test_an_empty_picture_stays_empty():
 def test_the_compiler_is_not_loaded_before_noise_is_drawn():
     script = "import chromanoise.imaging.sampling, sys; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], env=dict(os.environ)).returncode == 0
-
-
-@pytest.mark.evidence
-@pytest.mark.parametrize("mean", MEANS[1:])
-def test_a_hundred_million_draws_are_poisson(mean):
-    counts, mean = counted(mean, side=1024, seed=21, frames=24), float(np.float32(mean))
-    assert chi_square_z(counts, mean) < 5
-    assert kolmogorov_p(counts, mean) > 6e-7
-    assert np.abs(moment_scores(counts, mean)).max() < 5
