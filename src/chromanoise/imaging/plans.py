@@ -380,21 +380,17 @@ class ColorPlan:
     coupling: Float32[Array, "p p"] | None
 
 
-def color_plan(
-    light: Light,
-    draw: Draw,
-    operating_point: OperatingPoint,
-    matrices: Float32[Array, "6 p"],
-    coupling: Array | None,
-    *,
-    clip: bool,
-) -> ColorPlan:
-    """The plan for a color image; ``matrices`` are from `color_matrices`."""
-    if clip:
+def well_of(operating_point: OperatingPoint, draw: Draw, *, held: bool) -> Well:
+    """Full well of a color image, and whether electrons are clipped to 0 and to it.
+
+    Raises
+    ------
+    InputError
+        As `demand_well`, if they are clipped.
+    """
+    if held:
         demand_well(operating_point, draw)
-    well = Well(np.float32(_most_e(operating_point, draw)), clip)
-    mixing = None if coupling is None else coupling.astype(np.float32)
-    return ColorPlan(light=light, draw=draw, well=well, matrices=matrices, coupling=mixing)
+    return Well(np.float32(_most_e(operating_point, draw)), held)
 
 
 def color_matrices(

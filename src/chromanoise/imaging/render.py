@@ -23,11 +23,11 @@ from chromanoise.imaging.blocks import Draw, Scratch, new_rows
 from chromanoise.imaging.kernel_cache import kernel_of
 from chromanoise.imaging.plans import (
     BadPixels,
+    ColorPlan,
     ElectronPlan,
     Light,
     color_block,
     color_matrices,
-    color_plan,
     draw_of,
     electron_block,
     light_of,
@@ -35,6 +35,7 @@ from chromanoise.imaging.plans import (
     raw_block,
     raw_plan,
     srgb_table,
+    well_of,
 )
 from chromanoise.imaging.shared_rows import FillBlock, Work, filled, made, row_blocks
 from chromanoise.noise import Exposure, OperatingPoint, after_counting
@@ -422,11 +423,18 @@ def _products(
     cube = bands_within(cube, point.sensor.grid)
     light = light_of(cube, _of_counts(point), beyond=beyond, bad_pixels=bad_pixels)
     coupling = after_counting(point.sensor.crosstalk)
+    well = well_of(point, draw, held=clip)
     height, width, _ = light.source.shape
     kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
     blocks = row_blocks(row_source(cube.stored), work)
     for matrices in several:
-        plan = color_plan(light, draw, point, matrices, coupling, clip=clip)
+        plan = ColorPlan(
+            light=light,
+            draw=draw,
+            well=well,
+            matrices=matrices,
+            coupling=None if coupling is None else coupling.astype(np.float32),
+        )
         (products, codes), counts = made(color_block, plan, plan_for_rows, blocks, kinds, work)
         total, above, bad = np.concatenate(counts).sum(axis=0)
         pixels = height * width

@@ -8,7 +8,7 @@ clipping. Its files are written by the library `OpenEXR` of the Academy Software
 import errno
 import os
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from threading import Lock
 from typing import Any, BinaryIO
@@ -93,7 +93,8 @@ def tiff_rows(
                 found=f"this and others, {int(missing.sum())} in all, were never written",
             )
     except BaseException:
-        _closed_quietly(file)  # so that the first error is reported
+        with suppress(OSError):  # so that the first error is reported
+            file.close()
         raise
     with _writing(path):
         file.close()
@@ -148,13 +149,6 @@ def _claim(file: BinaryIO, size: int) -> None:
     except OSError as error:
         if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS):
             raise
-
-
-def _closed_quietly(file: BinaryIO) -> None:
-    try:
-        file.close()
-    except OSError:
-        return
 
 
 @contextmanager

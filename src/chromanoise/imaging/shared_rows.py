@@ -18,7 +18,6 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import ExitStack, contextmanager
-from functools import partial
 from itertools import islice
 from pathlib import Path
 from queue import SimpleQueue
@@ -256,18 +255,17 @@ def made(
             value=disabled,
             remedy="unset it",
         )
-    if work.executor is None:
-        outputs = tuple(new_rows(shape, dtype, folder=work.folder) for shape, dtype in kinds)
-        return outputs, filled(fill, plan, blocks, outputs, work)
     with ExitStack() as stack:
-        shared = stack.enter_context(shared_rows(*kinds)) if work.same_machine else None
+        in_place = work.executor is not None and work.same_machine
+        shared = stack.enter_context(shared_rows(*kinds)) if in_place else None
         if shared is None:
             outputs = tuple(new_rows(shape, dtype, folder=work.folder) for shape, dtype in kinds)
-            submit = partial(_sent, work.executor, fill, plan, part, outputs)
         else:
             outputs = tuple(rows.mapped() for rows in shared)
-            submit = partial(_put, work.executor, fill, plan, part, shared)
-        nested = _in_order(submit, blocks, work, _SENT_AHEAD)
+        if work.executor is None:
+            return outputs, filled(fill, plan, blocks, outputs, work)
+        submit = _submission(work.executor, fill, plan, part, outputs, shared)
+        nested = _in_order(submit, blocks, work)
     return outputs, [counts for block in nested for counts in block]
 
 
@@ -332,27 +330,36 @@ Submit = Callable[[int, int], tuple["Future[Any]", Callable[[Any], Any]]]
 """A function from a block to its future, and to a function that handles its result here."""
 
 
-def _sent(
+def _submission(
     executor: Executor,
     fill: FillBlock,
     plan: Any,
     part: Part,
     outputs: tuple[Array, ...],
-    start: int,
-    stop: int,
-) -> tuple["Future[Any]", Callable[[Any], Any]]:
-    """Submission for workers that send the rows back with the result."""
-    kinds = [((stop - start, *out.shape[1:]), out.dtype) for out in outputs]
-    own, pieces = part(plan, start, stop)
+    shared: tuple[SharedRows, ...] | None,
+) -> Submit:
+    """How a block is given to workers, which fill shared memory, or send the rows back.
 
-    def place(result: Any) -> Any:
-        counts, parts = result
-        for out, rows in zip(outputs, parts, strict=True):
-            out[start:stop] = rows
-            release(out)
-        return counts
+    A block that is filled twice has the same bits both times.
+    """
 
-    return executor.submit(_filled_and_sent, fill, own, pieces, kinds), place
+    def submit(start: int, stop: int) -> tuple["Future[Any]", Callable[[Any], Any]]:
+        own, pieces = part(plan, start, stop)
+        if shared is not None:
+            future = executor.submit(_filled_and_put, fill, own, pieces, shared)
+            return future, lambda counts: counts
+        kinds = [((stop - start, *out.shape[1:]), out.dtype) for out in outputs]
+
+        def place(result: Any) -> Any:
+            counts, parts = result
+            for out, rows in zip(outputs, parts, strict=True):
+                out[start:stop] = rows
+                release(out)
+            return counts
+
+        return executor.submit(_filled_and_sent, fill, own, pieces, kinds), place
+
+    return submit
 
 
 def _filled_and_sent(fill: FillBlock, plan: Any, pieces: list[Block], kinds: list[Any]) -> Any:
@@ -363,20 +370,6 @@ def _filled_and_sent(fill: FillBlock, plan: Any, pieces: list[Block], kinds: lis
         parts = (one[start - first : stop - first] for one in rows)
         counts.append(fill(plan, start, stop, _scratch_there, *parts))
     return counts, rows
-
-
-def _put(
-    executor: Executor,
-    fill: FillBlock,
-    plan: Any,
-    part: Part,
-    shared: tuple[SharedRows, ...],
-    start: int,
-    stop: int,
-) -> tuple["Future[Any]", Callable[[Any], Any]]:
-    """Submission with shared memory; a block that is filled twice has the same bits both times."""
-    own, pieces = part(plan, start, stop)
-    return executor.submit(_filled_and_put, fill, own, pieces, shared), lambda counts: counts
 
 
 def _filled_and_put(
@@ -397,14 +390,14 @@ def _filled_and_put(
 _scratch_there = Scratch()
 
 
-def _in_order(submit: Submit, blocks: list[Block], work: Work, ahead: int) -> list[Any]:
+def _in_order(submit: Submit, blocks: list[Block], work: Work) -> list[Any]:
     """Submit a few blocks at a time, which limits memory and reports an error early."""
     todo: Iterator[tuple[int, Block]] = iter(enumerate(blocks))
     doing: dict[Future[Any], tuple[int, Callable[[Any], Any]]] = {}
     counts: list[Any] = [None] * len(blocks)
     try:
         while True:
-            for number, block in islice(todo, ahead - len(doing)):
+            for number, block in islice(todo, _SENT_AHEAD - len(doing)):
                 future, place = submit(*block)
                 doing[future] = (number, place)
             if not doing:
