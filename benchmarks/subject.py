@@ -17,12 +17,12 @@ from chromanoise.imaging.plans import (
     RawPlan,
     color_block,
     color_matrices,
-    color_plan,
     draw_of,
     electron_block,
     light_of,
     raw_block,
     raw_plan,
+    well_of,
 )
 from chromanoise.imaging.shared_rows import Work, filled, row_blocks
 from chromanoise.noise import Exposure, OperatingPoint
@@ -106,14 +106,14 @@ def plans_of(cube: Cube) -> Plans:
     """As `chromanoise.imaging.rendered` and its siblings make them."""
     at = operating_point()
     light, draw = light_of(cube, at, beyond="refuse"), draw_of(at, seed=SEED)
-    matrix = kernel_matrix(at.sensor, at.exposure)
-    matrices, _ = color_matrices(matrix, at)
+    _, matrices, _ = color_matrices(kernel_matrix(at.sensor, at.exposure), at)
+    well = well_of(at, draw, held=False)
     adc = adc_to_full_well(at.sensor.pixel)
     return Plans(
         light=light,
         electrons=ElectronPlan(light=light),
         raw=raw_plan(light, draw, at, rgbw_sparse_4x4(), adc, None),
-        color=color_plan(light, draw, at, matrices, None, clip=False),
+        color=ColorPlan(light=light, draw=draw, well=well, matrices=matrices, coupling=None),
     )
 
 
