@@ -13,7 +13,7 @@ from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
 import chromanoise.apps.design.search as searching
 from chromanoise.apps.design.algorithms import METHODS, _crossed, _fronts, _mutated, improved
-from chromanoise.apps.design.pareto_front import Evaluated, Problem, non_dominated
+from chromanoise.apps.design.pareto_front import Evaluated, Problem, assessed, non_dominated
 from chromanoise.apps.design.search import SearchOptions, searched_front
 from chromanoise.base import packages
 from chromanoise.base.errors import InputError
@@ -218,7 +218,7 @@ def test_a_correction_onto_a_constraint_stops_where_the_objective_is_undefined()
     )
     at = np.array([[0.75, 0.5]])
     rng = np.random.default_rng(1)
-    better = improved(problem, at, problem.evaluate(at), most=50, rng=rng)
+    better = improved(problem, assessed(problem, at), most=50, rng=rng)
     assert np.isfinite(better.found.violation).all()
 
 

@@ -14,18 +14,17 @@ kinks.
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import fields
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from chromanoise.apps.design.pareto_front import (
     MOST_WITHOUT_PYMOO,
-    Evaluated,
+    Assessed,
     Problem,
-    checked_evaluation,
+    Rows,
+    assessed,
     crowding,
-    misses_of,
     non_dominated,
     scaled,
 )
@@ -67,14 +66,11 @@ class Algorithm(Protocol):
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
         """The candidates of the next generation; none if there are no new ones."""
 
-    def tell(
-        self,
-        values: Float[Array, "m d"],
-        costs: Float[Array, "m q"],
-        misses: Float[Array, " m"],
-        rng: np.random.Generator,
-    ) -> None:
-        """Select from the evaluated candidates of a generation; the first one is not asked for."""
+    def tell(self, told: State, rng: np.random.Generator) -> None:
+        """Select from an evaluated generation: its ``values``, ``costs`` and ``misses``, by row.
+
+        The first generation is not asked for.
+        """
 
     def state(self) -> State:
         """All that the next generation depends on."""
@@ -91,11 +87,36 @@ def generation_rng(seed: int, generation: int) -> np.random.Generator:
 def latin_hypercube(problem: Problem, count: int, rng: np.random.Generator) -> Float[Array, "m d"]:
     """Candidates of which each of ``count`` equal parts of a parameter's range has exactly one."""
     cells = rng.permuted(np.tile(np.arange(count)[:, None], (1, len(problem.names))), axis=0)
-    share = (cells + rng.random(cells.shape)) / count
+    return _at_share(problem, (cells + rng.random(cells.shape)) / count)
+
+
+def _share(problem: Problem, values: Float[Array, "*m d"]) -> Float[Array, "*m d"]:
+    """Each parameter as a share of its range."""
+    return (values - problem.low) / (problem.high - problem.low)
+
+
+def _at_share(problem: Problem, share: Float[Array, "*m d"]) -> Float[Array, "*m d"]:
+    """The allowed values at shares of the ranges."""
     return problem.allowed(problem.low + share * (problem.high - problem.low))
 
 
-class Genetic:
+class _Population:
+    """A method whose state is a population: ``values``, ``costs`` and ``misses``, by row."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._kept = State()
+
+    def state(self) -> State:
+        """As `Algorithm.state`."""
+        return dict(self._kept)
+
+    def restore(self, state: State) -> None:
+        """As `Algorithm.restore`."""
+        self._kept = dict(state)
+
+
+class Genetic(_Population):
     """NSGA-II, or NSGA-III with the reference directions of the package ``pymoo``.
 
     Both cross candidates by simulated binary crossover and mutate them by polynomials.
@@ -117,9 +138,8 @@ class Genetic:
     """
 
     def __init__(self, problem: Problem, population: int, *, many: bool) -> None:
-        self._problem, self._size = problem, population
-        self._kept = dict[str, Array]()
-        self._many = many
+        super().__init__(problem)
+        self._size, self._many = population, many
         self._niches: Any = _niches(len(problem.objectives), population) if many else None
 
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
@@ -168,20 +188,9 @@ class Genetic:
         score = np.where(score == 0, rng.choice([-1, 1], size=count), score)
         return np.where(score > 0, first, second)
 
-    def tell(
-        self,
-        values: Float[Array, "m d"],
-        costs: Float[Array, "m q"],
-        misses: Float[Array, " m"],
-        rng: np.random.Generator,
-    ) -> None:
+    def tell(self, told: State, rng: np.random.Generator) -> None:
         """As `Algorithm.tell`."""
-        new = {
-            "values": values,
-            "costs": costs,
-            "misses": misses,
-            "crowding": np.zeros(len(misses)),
-        }
+        new = told | {"crowding": np.zeros(len(told["misses"]))}
         if self._kept:
             new = {name: np.concatenate([self._kept[name], array]) for name, array in new.items()}
         feasible = np.flatnonzero(new["misses"] == 0)
@@ -217,15 +226,15 @@ class Genetic:
     def state(self) -> State:
         """As `Algorithm.state`; ranks are derived from the costs, the crowding is kept."""
         if not self._many or self._niches.norm.extreme_points is None:
-            return dict(self._kept)
+            return super().state()
         norm = self._niches.norm
         return self._kept | {name: getattr(norm, name) for name in _NORMALIZATION}
 
     def restore(self, state: State) -> None:
         """As `Algorithm.restore`."""
-        self._kept = {name: array for name, array in state.items() if name not in _NORMALIZATION}
+        super().restore(state)
         for name in set(_NORMALIZATION) & set(state):
-            setattr(self._niches.norm, name, state[name])
+            setattr(self._niches.norm, name, self._kept.pop(name))
 
 
 class _Costs:
@@ -326,26 +335,22 @@ def _fronts(costs: Float[Array, "m q"], enough: int) -> list[Array]:
 
 
 def _niches(objectives: int, population: int) -> Any:
-    """The survival of NSGA-III in pymoo."""
+    """The survival of NSGA-III in pymoo, with as many directions as the population allows."""
     from pymoo.config import Config
 
     Config.warnings["not_compiled"] = False  # otherwise printed where pymoo was not compiled
     from pymoo.algorithms.moo.nsga3 import ReferenceDirectionSurvival
-
-    return ReferenceDirectionSurvival(_directions(objectives, population))
-
-
-def _directions(objectives: int, most: int) -> Float[Array, "k q"]:
-    """As many evenly spaced reference directions as a population of ``most`` allows."""
     from pymoo.util.ref_dirs import get_reference_directions
 
     parts = 1
-    while objectives > 1 and math.comb(parts + objectives, objectives - 1) <= most:
+    while objectives > 1 and math.comb(parts + objectives, objectives - 1) <= population:
         parts += 1
-    return get_reference_directions("das-dennis", objectives, n_partitions=parts)
+    return ReferenceDirectionSurvival(
+        get_reference_directions("das-dennis", objectives, n_partitions=parts)
+    )
 
 
-class DifferentialEvolution:
+class DifferentialEvolution(_Population):
     """Differential evolution, best/1/bin with dither, for one objective.
 
     A mutant outside the bounds takes a uniform value there. A trial replaces its parent if its sum
@@ -358,9 +363,6 @@ class DifferentialEvolution:
     defaults of `scipy.optimize.differential_evolution`, which cannot be stopped and resumed
     without evaluating its population again.
     """
-
-    def __init__(self, problem: Problem) -> None:
-        self._problem, self._kept = problem, dict[str, Array]()
 
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
         """As `Algorithm.ask`."""
@@ -382,34 +384,17 @@ class DifferentialEvolution:
         taken[here, rng.integers(0, count, size)] = True
         return problem.allowed(np.where(taken, mutant, values))
 
-    def tell(
-        self,
-        values: Float[Array, "m d"],
-        costs: Float[Array, "m q"],
-        misses: Float[Array, " m"],
-        rng: np.random.Generator,
-    ) -> None:
+    def tell(self, told: State, rng: np.random.Generator) -> None:
         """As `Algorithm.tell`."""
-        new = {"values": values, "costs": costs, "misses": misses}
-        if not self._kept:
-            self._kept = new
-            return
-        old = self._kept
-        lower = misses < old["misses"]
-        equal = (misses == old["misses"]) & (costs[:, 0] <= old["costs"][:, 0])
-        wins = lower | equal
-        self._kept = {
-            name: np.where(wins.reshape((-1,) + (1,) * (array.ndim - 1)), array, old[name])
-            for name, array in new.items()
-        }
-
-    def state(self) -> State:
-        """As `Algorithm.state`."""
-        return dict(self._kept)
-
-    def restore(self, state: State) -> None:
-        """As `Algorithm.restore`."""
-        self._kept = dict(state)
+        old, self._kept = self._kept, told
+        if old:
+            lower = told["misses"] < old["misses"]
+            equal = told["misses"] == old["misses"]
+            wins = lower | equal & (told["costs"][:, 0] <= old["costs"][:, 0])
+            self._kept = {
+                name: np.where(wins if array.ndim == 1 else wins[:, None], array, old[name])
+                for name, array in told.items()
+            }
 
 
 class CovarianceMatrixAdaptation:
@@ -441,28 +426,18 @@ class CovarianceMatrixAdaptation:
             origin = rng.random(count) if self._strategy is not None else self._origin
             self._strategy = self._started(origin)
         self._candidates = self._strategy.ask()
-        share = np.clip(self._candidates, 0.0, 1.0)
-        return self._problem.allowed(
-            self._problem.low + share * (self._problem.high - self._problem.low)
-        )
+        return _at_share(self._problem, np.clip(self._candidates, 0.0, 1.0))
 
-    def tell(
-        self,
-        values: Float[Array, "m d"],
-        costs: Float[Array, "m q"],
-        misses: Float[Array, " m"],
-        rng: np.random.Generator,
-    ) -> None:
+    def tell(self, told: State, rng: np.random.Generator) -> None:
         """As `Algorithm.tell`."""
-        if not self._origin.size:
-            best = np.lexsort((costs[:, 0], misses))[0]
-            low, high = self._problem.low, self._problem.high
-            self._origin = (values[best] - low) / (high - low)
-            return
-        kept = misses == 0
-        worst = costs[kept, 0].max() if kept.any() else 0.0
-        penalized = np.where(kept, costs[:, 0], worst + misses)
-        self._update(penalized)
+        costs, misses = told["costs"][:, 0], told["misses"]
+        if self._origin.size:
+            feasible = misses == 0
+            worst = costs[feasible].max() if feasible.any() else 0.0
+            self._update(np.where(feasible, costs, worst + misses))
+        else:
+            best = np.lexsort((costs, misses))[0]
+            self._origin = _share(self._problem, told["values"][best])
 
     def _update(self, penalized: Float[Array, " m"]) -> None:
         if self._count == len(self._penalized):
@@ -645,21 +620,19 @@ class Improved:
 
     Attributes
     ----------
-    values, found
+    found
         One row per descent, feasible or not.
     gradients
         Number of gradients that were computed.
     """
 
-    values: Float[Array, "k d"]
-    found: Evaluated
+    found: Assessed
     gradients: int
 
 
 def improved(
     problem: Problem,
-    values: Float[Array, "m d"],
-    found: Evaluated,
+    found: Assessed,
     *,
     most: int,
     rng: np.random.Generator,
@@ -678,7 +651,7 @@ def improved(
     ----------
     problem
         A problem with gradients. A descent keeps integer parameters.
-    values, found
+    found
         Evaluated candidates, at least one.
     most
         Number of gradients after which only the last round begins.
@@ -686,51 +659,42 @@ def improved(
         Whether no further round shall begin.
     """
     screened = latin_hypercube(problem, min(_SCREENED, max(2 * most, _FIRST)), rng)
-    more = checked_evaluation(problem, screened, problem.evaluate)
-    misses = np.concatenate([misses_of(problem, found), misses_of(problem, more)])
-    every = np.concatenate([values, screened])
-    costs = problem.costs(np.concatenate([found.objectives, more.objectives]))
-    count = len(problem.objectives)
-    near = np.argsort(misses, kind="stable")[: max(_FIRST, int(_NEAR * len(every)))]
-    starts = every[near[_far_apart(_share(problem, every[near]), _FIRST)]]
+    every = found.joined(assessed(problem, screened))
+    pool, count = every.some(every.feasible), len(problem.objectives)
+    near = np.argsort(every.misses, kind="stable")[: max(_FIRST, int(_NEAR * len(every.values)))]
+    nearest = every.values[near]
+    starts = nearest[_far_apart(_share(problem, nearest), _FIRST)]
     alone = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
-    reference = np.resize(alone, (len(starts), count))
-    scale = _scale(costs[misses == 0])
-    pool, pool_costs = every[misses == 0], costs[misses == 0]
-    ends, gradients, settled, is_last = list[Array](), 0, 0, False
+    reference, scale = np.resize(alone, (len(starts), count)), _scale(pool.costs)
+    ends, gradients, settled, is_last = list[Assessed](), 0, 0, False
     while not is_stopped():
         descents = _Descents(problem, starts, reference, scale)
-        ends.append(descents.ends())
+        ends.append(assessed(problem, descents.ends()))
         gradients += descents.gradients
-        new = checked_evaluation(problem, ends[-1], problem.evaluate)
-        met = misses_of(problem, new) == 0
-        new_costs = problem.costs(new.objectives[met])
-        if len(pool) and len(new_costs):
-            gain = _excess(pool_costs, reference, scale) - _excess(new_costs, reference, scale)
-            settled = settled + 1 if np.maximum(gain, 0.0).mean() <= _SETTLED else 0
-        pool = np.concatenate([pool, ends[-1][met]])
-        pool_costs = np.concatenate([pool_costs, new_costs])
-        if is_last or not len(pool):
+        new = ends[-1].some(ends[-1].feasible)
+        if len(pool.values) and len(new.values):
+            before, after = (
+                _excesses(one.costs, reference, scale).min(axis=1) for one in (pool, new)
+            )
+            gain = np.maximum(before - after, 0.0).mean()
+            settled = settled + 1 if gain <= _SETTLED else 0
+        pool = pool.joined(new)
+        if is_last or not len(pool.values):
             break
         is_last = gradients >= most or settled >= _SETTLED_ROUNDS or len(ends) > _ROUNDS
-        kept = _distinct(_share(problem, pool), pool_costs)
-        pool, pool_costs = pool[kept], pool_costs[kept]
-        front = pool_costs[non_dominated(pool_costs)]
+        pool = pool.some(_distinct(_share(problem, pool.values), pool.costs))
+        front = pool.costs[non_dominated(pool.costs)]
         scale = _scale(front)
         along = _references(front / scale, _AT_LAST if is_last else _ALONG, rng) * scale
         reference = np.concatenate([np.repeat(alone, _ALONE, axis=0), along])
-        excesses = _excesses(pool_costs, reference, scale)
-        starts = pool[excesses.argmin(axis=1)] if is_last else _starts(problem, pool, excesses, rng)
-    rows = np.concatenate(ends)
-    return Improved(
-        values=rows,
-        found=checked_evaluation(problem, rows, problem.evaluate),
-        gradients=gradients,
-    )
-
-
-def _share(problem: Problem, values: Float[Array, "m d"]) -> Float[Array, "m d"]:
-    return (values - problem.low) / (problem.high - problem.low)
+        excesses = _excesses(pool.costs, reference, scale)
+        starts = (
+            pool.values[excesses.argmin(axis=1)]
+            if is_last
+            else _starts(problem, pool.values, excesses, rng)
+        )
+    first, *others = ends
+    return Improved(found=first.joined(*others), gradients=gradients)
 
 
 def _scale(costs: Float[Array, "m q"]) -> Float[Array, " q"]:
@@ -755,12 +719,6 @@ def _excesses(
 ) -> Float[Array, "k m"]:
     """Largest scaled excess of the costs over each reference; infinite references do not count."""
     return ((costs - reference[:, None]) / scale).max(axis=2)
-
-
-def _excess(
-    costs: Float[Array, "m q"], reference: Float[Array, "k q"], scale: Float[Array, " q"]
-) -> Float[Array, " k"]:
-    return _excesses(costs, reference, scale).min(axis=1)
 
 
 def _distinct(share: Float[Array, "m d"], costs: Float[Array, "m q"]) -> Int64[Array, " k"]:
@@ -804,7 +762,7 @@ def _starts(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Linear:
+class _Linear(Rows):
     """Scaled costs and constraints at points of the unit cube, with derivatives."""
 
     costs: Float[Array, "n q"]
@@ -814,17 +772,14 @@ class _Linear:
 
     @property
     def defined(self) -> Bool[Array, " n"]:
-        parts = [getattr(self, one.name) for one in fields(self)]
+        parts = self.arrays().values()
         return np.logical_and.reduce(
             [np.isfinite(part).reshape(len(part), -1).all(axis=1) for part in parts]
         )
 
-    def of(self, some: Array) -> "_Linear":
-        return _Linear(**{one.name: getattr(self, one.name)[some] for one in fields(self)})
-
     def put(self, places: Array, new: "_Linear") -> None:
-        for one in fields(self):
-            getattr(self, one.name)[places] = getattr(new, one.name)
+        for name, array in new.arrays().items():
+            getattr(self, name)[places] = array
 
     def lagrangian_slope(self, of_costs: Array, of_rows: Array) -> Float[Array, "n f"]:
         """Slope of the costs and rows with multipliers, and of the sum of all costs."""
@@ -897,7 +852,7 @@ class _Descents:
         self._best_share = self._share.copy()
         at = self._linearized(every)
         live = np.flatnonzero(at.defined)
-        at = at.of(live)
+        at = at.some(live)
         for _ in range(_ITERATIONS):
             if not live.size:
                 break
@@ -934,7 +889,7 @@ class _Descents:
             self._bend(live[fresh], model, fresh, moved[fresh], at, new)
             goes_on[fresh] = new.defined
             at.put(fresh, new)
-        return live[goes_on], at.of(goes_on)
+        return live[goes_on], at.some(goes_on)
 
     def _remember(self, live: Array, points: Array, value: Float[Array, "n k"]) -> None:
         each, first = np.arange(live.size), value.argmin(axis=1)
@@ -973,7 +928,8 @@ class _Descents:
         """Damped BFGS update of the curvature of the Lagrangian."""
         multipliers = model.of_costs[of], model.of_rows[of]
         with np.errstate(invalid="ignore", over="ignore"):
-            change = new.lagrangian_slope(*multipliers) - old.of(of).lagrangian_slope(*multipliers)
+            before, after = (one.lagrangian_slope(*multipliers) for one in (old.some(of), new))
+            change = after - before
         own = self._curvature[live]
         along = _times(own, step)
         length, product = (step * along).sum(axis=1), (step * change).sum(axis=1)
@@ -1094,7 +1050,7 @@ class _Descents:
 
     def _merit(self, share: Float[Array, "n f"], which: Array) -> _Merit:
         values = self._values(share, which)
-        found = checked_evaluation(self._problem, values, self._problem.evaluate)
+        found = assessed(self._problem, values)
         costs = found.objectives * self._sign
         with np.errstate(invalid="ignore"):
             excess = np.where(self._counts[which], costs - self._reference[which], -np.inf)
@@ -1103,7 +1059,7 @@ class _Descents:
         return _Merit(
             value=np.where(np.isfinite(value), value, np.inf),
             misses=np.maximum(violation + _MARGIN, 0.0).sum(axis=1),
-            feasible=misses_of(self._problem, found) == 0,
+            feasible=found.feasible,
             costs=costs,
             violation=violation,
         )

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, TypeVar
 
 import numpy as np
 
@@ -37,9 +37,43 @@ from chromanoise.sensor import Pixel
 from chromanoise.spectra import Spectra
 from chromanoise.study import ExposurePart, LightPart, PixelPart, matrix_makers
 
+_SameRows = TypeVar("_SameRows", bound="Rows")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Evaluated:
+class Rows:
+    """Arrays with one row per candidate."""
+
+    def some(self: _SameRows, which: Array) -> _SameRows:
+        """Some of the rows.
+
+        Parameters
+        ----------
+        which
+            An index of numpy.
+        """
+        return replace(self, **{name: array[which] for name, array in self.arrays().items()})
+
+    def joined(self: _SameRows, *others: _SameRows) -> _SameRows:
+        """These rows and then those of others.
+
+        Parameters
+        ----------
+        others
+            Records of the same class.
+        """
+        parts = [one.arrays() for one in (self, *others)]
+        return replace(
+            self, **{name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        )
+
+    def arrays(self) -> dict[str, Array]:
+        """The arrays by name."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Evaluated(Rows):
     """Objectives and constraints of ``m`` candidates.
 
     Attributes
@@ -196,17 +230,48 @@ class Problem:
         return np.clip(rounded, inner_low, inner_high)
 
 
-def checked_evaluation(
-    problem: Problem, values: Float[Array, "m d"], evaluate: Callable[[Array], Evaluated]
-) -> Evaluated:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Assessed(Evaluated):
+    """Evaluated candidates, with what a search compares.
+
+    Attributes
+    ----------
+    values
+        Of the parameters, each in its unit.
+    costs
+        As `Problem.costs`.
+    misses
+        As `misses_of`; 0 if a candidate is feasible.
+    """
+
+    values: Float[Array, "m d"]
+    costs: Float[Array, "m q"]
+    misses: Float[Array, " m"]
+
+    @property
+    def feasible(self) -> Bool[Array, " m"]:
+        """Which candidates meet all constraints and have all objectives."""
+        return self.misses == 0
+
+
+def assessed(
+    problem: Problem,
+    values: Float[Array, "m d"],
+    evaluate: Callable[[Array], Evaluated] | None = None,
+) -> Assessed:
     """The evaluation of candidates, after a check for NaN and for its shape.
+
+    Parameters
+    ----------
+    evaluate
+        In place of ``problem.evaluate``, with the same results.
 
     Raises
     ------
     InputError
         If a value is NaN, or the shape does not fit the problem.
     """
-    found = evaluate(values)
+    found = (evaluate or problem.evaluate)(values)
     sides = (
         ("objective", problem.objectives, np.asarray(found.objectives, dtype=float)),
         ("constraint", problem.constraints, np.asarray(found.violation, dtype=float)),
@@ -232,7 +297,14 @@ def checked_evaluation(
                 found=f"is NaN at {at}",
                 remedy="narrow the bounds",
             )
-    return Evaluated(objectives=sides[0][2], violation=sides[1][2])
+    checked = Evaluated(objectives=sides[0][2], violation=sides[1][2])
+    return Assessed(
+        objectives=checked.objectives,
+        violation=checked.violation,
+        values=values,
+        costs=problem.costs(checked.objectives),
+        misses=misses_of(problem, checked),
+    )
 
 
 _ROUND = 0.1  # share of the surplus members that are dropped before crowding is computed anew
@@ -522,25 +594,21 @@ class Archive:
     nearest: Float[Array, " r"]
     least: Float[Array, " r"]
 
-    def joined(self, problem: Problem, values: Float[Array, "m d"], found: Evaluated) -> "Archive":
+    def joined(self, problem: Problem, found: Assessed) -> "Archive":
         """The archive after a generation."""
-        feasible = misses_of(problem, found) == 0
-        costs = problem.costs(found.objectives)
+        feasible = found.some(found.feasible)
         old = problem.costs(self.objectives)
-        kept, fresh = merged(old, costs[feasible])
-        costs = np.concatenate([old[kept], costs[feasible][fresh]])
+        kept, fresh = merged(old, feasible.costs)
+        new = feasible.some(fresh)
+        costs = np.concatenate([old[kept], new.costs])
         chosen = thinned(costs, LARGEST) if len(costs) > 2 * LARGEST else np.arange(len(costs))
-
-        def together(own: Array, new: Array) -> Array:
-            return np.concatenate([own[kept], new[feasible][fresh]])[chosen]
-
         sums = problem.misses(found.violation)
         best = found.violation[np.argmin(sums)]
         nearer = sums.min() < problem.misses(self.nearest[None])[0]
         return Archive(
-            values=together(self.values, values),
-            objectives=together(self.objectives, found.objectives),
-            violation=together(self.violation, found.violation),
+            values=np.concatenate([self.values[kept], new.values])[chosen],
+            objectives=np.concatenate([self.objectives[kept], new.objectives])[chosen],
+            violation=np.concatenate([self.violation[kept], new.violation])[chosen],
             nearest=best if nearer else self.nearest,
             least=np.minimum(self.least, found.violation.min(axis=0)),
         )

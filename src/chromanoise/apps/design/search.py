@@ -35,13 +35,13 @@ from chromanoise.apps.design.algorithms import (
 from chromanoise.apps.design.pareto_front import (
     LARGEST,
     Archive,
+    Assessed,
     Evaluated,
     Problem,
-    checked_evaluation,
+    assessed,
     empty_archive,
     hypervolume,
     merged,
-    misses_of,
     thinned,
 )
 from chromanoise.base import (
@@ -80,11 +80,8 @@ class Scheduler:
     def _evaluated(self, evaluate: bytes, values: Array) -> Evaluated:
         chunks = np.array_split(values, min(self.threads, len(values)))
         tasks = [self.executor.submit(_evaluated_there, evaluate, chunk) for chunk in chunks]
-        parts = [task.result() for task in tasks]
-        return Evaluated(
-            objectives=np.concatenate([part.objectives for part in parts]),
-            violation=np.concatenate([part.violation for part in parts]),
-        )
+        first, *others = (task.result() for task in tasks)
+        return first.joined(*others)
 
 
 @contextmanager
@@ -516,13 +513,13 @@ def searched_front(
             values = state.algorithms[turn].ask(rng) if own else first[turn]
             if not len(values):  # every combination of integer parameters was tried
                 break
-            found = checked_evaluation(problem, values, evaluate)
-            state.tell(turn, values, found, rng)
+            found = assessed(problem, values, evaluate)
+            state.tell(turn, found, rng)
             now = Checkpoint(
                 search=same,
                 generation=now.generation + 1,
                 evaluations=now.evaluations + len(values),
-                archive=now.archive.joined(problem, values, found),
+                archive=now.archive.joined(problem, found),
                 algorithm=state.state(),
             )
             if progress:
@@ -582,16 +579,14 @@ class _Populations:
         self._own: dict[int, Array] = {}
         self._failures: list[str] = []
 
-    def tell(
-        self, turn: int, values: Float[Array, "m d"], found: Evaluated, rng: np.random.Generator
-    ) -> None:
+    def tell(self, turn: int, found: Assessed, rng: np.random.Generator) -> None:
         """Give evaluated candidates to a population."""
-        misses = misses_of(self._problem, found)
         defined = np.isfinite(found.objectives).all(axis=1)
-        costs = np.where(defined[:, None], self._problem.costs(found.objectives), 0.0)
         self.undefined[turn] += np.count_nonzero(~defined)
-        self._record(turn, costs[misses == 0])
-        self.algorithms[turn].tell(values, costs, misses, rng)
+        self._record(turn, found.costs[found.feasible])
+        costs = np.where(defined[:, None], found.costs, 0.0)
+        told = {"values": found.values, "costs": costs, "misses": found.misses}
+        self.algorithms[turn].tell(told, rng)
 
     def _record(self, turn: int, costs: Float[Array, "m q"]) -> None:
         self._best[turn] = np.minimum(self._best[turn], costs.min(axis=0, initial=np.inf))
@@ -630,8 +625,8 @@ class _Populations:
                 self._failures.append(str(better))
             elif better is not None:
                 self.gradients[turn] = better.gradients
-                self._record(turn, self._feasible_costs(better.found))
-                archive = archive.joined(self._problem, better.values, better.found)
+                self._record(turn, better.found.costs[better.found.feasible])
+                archive = archive.joined(self._problem, better.found)
         return archive
 
     def _improved(
@@ -646,17 +641,13 @@ class _Populations:
             share = own * self._settings.population // _EVALUATIONS_PER_GRADIENT
             return improved(
                 problem,
-                values,
-                checked_evaluation(problem, values, problem.evaluate),
+                assessed(problem, values),
                 most=max(share, _LEAST_GRADIENTS * len(problem.objectives)),
                 rng=generation_rng(self.seeds[turn], own),
                 is_stopped=is_stopped,
             )
         except _NUMERICAL as error:
             return error
-
-    def _feasible_costs(self, found: Evaluated) -> Float[Array, "k q"]:
-        return self._problem.costs(found.objectives)[misses_of(self._problem, found) == 0]
 
     def effort(self, now: Checkpoint) -> str:
         """Number of seeds and gradients of the search, in words."""
@@ -823,8 +814,7 @@ def _agrees(problem: Problem, now: Checkpoint) -> bool:
     values, objectives = now.archive.values[:1], now.archive.objectives[:1]
     if not len(values):
         return True
-    again = checked_evaluation(problem, values, problem.evaluate)
-    return np.allclose(again.objectives, objectives, rtol=_SAME, atol=_SAME)
+    return np.allclose(assessed(problem, values).objectives, objectives, rtol=_SAME, atol=_SAME)
 
 
 def _refuse_infeasible(problem: Problem, archive: Archive, searched: str) -> None:
