@@ -161,11 +161,8 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     InputError
         If it cannot be written.
     """
-    archive = {
-        f"archive.{field.name}": getattr(checkpoint.archive, field.name)
-        for field in fields(Archive)
-    }
-    algorithm = {f"algorithm.{name}": array for name, array in checkpoint.algorithm.items()}
+    archive = {one.name: getattr(checkpoint.archive, one.name) for one in fields(Archive)}
+    arrays = _prefixed("archive.", archive) | _prefixed("algorithm.", checkpoint.algorithm)
     text = json.dumps(
         {
             "form": _FORM,
@@ -175,7 +172,7 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
         }
     )
     content = io.BytesIO()
-    np.savez(content, allow_pickle=False, checkpoint=np.array(text), **archive, **algorithm)
+    np.savez(content, allow_pickle=False, checkpoint=np.array(text), **arrays)
     write_kept(path, _sealed(content.getvalue()))
 
 
@@ -213,9 +210,7 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
         theirs, generation, evaluations = (
             dict(text["search"]), int(text["generation"]), int(text["evaluations"]),
         )  # fmt: skip
-        archive = Archive(
-            **{field.name: arrays[f"archive.{field.name}"] for field in fields(Archive)}
-        )
+        archive = Archive(**_without_prefix("archive.", arrays))
     except _DAMAGED:
         raise _damaged(path, "cannot be read as one") from None
     for name, own in search.items():
@@ -235,12 +230,21 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
         generation=generation,
         evaluations=evaluations,
         archive=archive,
-        algorithm={
-            name.removeprefix("algorithm."): array
-            for name, array in arrays.items()
-            if name.startswith("algorithm.")
-        },
+        algorithm=_without_prefix("algorithm.", arrays),
     )
+
+
+def _prefixed(prefix: str, arrays: Mapping[str, Array]) -> State:
+    return {f"{prefix}{name}": array for name, array in arrays.items()}
+
+
+def _without_prefix(prefix: str, arrays: Mapping[str, Array]) -> State:
+    """The arrays of `_prefixed` among others."""
+    return {
+        name.removeprefix(prefix): array
+        for name, array in arrays.items()
+        if name.startswith(prefix)
+    }
 
 
 def _sealed(archive: bytes) -> bytes:
@@ -494,10 +498,9 @@ def searched_front(
             found="this design has none",
             remedy=Setting("polish", (False,)),
         )
-    state = _Populations(problem, settings)
+    state = _Populations(problem, settings, start)
     evaluate = evaluate_on.evaluation_of(problem) if evaluate_on else problem.evaluate
-    first = [_first_generation(problem, settings, start, seed) for seed in state.seeds]
-    same = _common(problem, settings, first[0])
+    same = _common(problem, settings, state.each[0].first)
     now = Checkpoint(
         search=same, generation=0, evaluations=0, archive=empty_archive(problem), algorithm={}
     )
@@ -509,16 +512,13 @@ def searched_front(
             own, turn = divmod(now.generation, settings.seeds)
             if turn == 0 and _is_power_of_two(own):
                 state.remember(now.evaluations, now.archive)
-            rng = generation_rng(state.seeds[turn], own)
-            values = state.algorithms[turn].ask(rng) if own else first[turn]
-            if not len(values):  # every combination of integer parameters was tried
+            found = state.each[turn].generation(own, evaluate)
+            if found is None:  # every combination of integer parameters was tried
                 break
-            found = assessed(problem, values, evaluate)
-            state.tell(turn, found, rng)
             now = Checkpoint(
                 search=same,
                 generation=now.generation + 1,
-                evaluations=now.evaluations + len(values),
+                evaluations=now.evaluations + len(found.values),
                 archive=now.archive.joined(problem, found),
                 algorithm=state.state(),
             )
@@ -552,48 +552,97 @@ def searched_front(
         violation=front.violation,
         generations=now.generation,
         evaluations=now.evaluations,
-        gradient_evaluations=int(state.gradients.sum()),
-        undefined=int(state.undefined.sum()),
+        gradient_evaluations=state.gradients,
+        undefined=sum(one.undefined for one in state.each),
         convergence=state.convergence(now, archive, gain),
     )
 
 
+class _Population:
+    """One of the independent populations of a search: its method, and what it has found.
+
+    ``best`` and ``front`` are costs; ``undefined`` counts candidates with an undefined objective.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        settings: SearchOptions,
+        start: Float[Array, "m d"] | None,
+        seed: int,
+    ) -> None:
+        self.seed, self._problem = seed, problem
+        self.algorithm = algorithm_of(problem, settings.method, settings.population, seed)
+        self.first = _first_generation(problem, settings, start, seed)
+        self.best = np.full(len(problem.objectives), np.inf)
+        self.front = np.empty((0, len(problem.objectives)))
+        self.undefined = self.gradients = 0
+
+    def generation(self, number: int, evaluate: Callable[[Array], Evaluated]) -> Assessed | None:
+        """Evaluate the candidates of a generation and select from them; ``None`` without any."""
+        rng = generation_rng(self.seed, number)
+        values = self.algorithm.ask(rng) if number else self.first
+        if not len(values):
+            return None
+        found = assessed(self._problem, values, evaluate)
+        defined = np.isfinite(found.objectives).all(axis=1)
+        self.undefined += int(np.count_nonzero(~defined))
+        self.record(found)
+        costs = np.where(defined[:, None], found.costs, 0.0)
+        self.algorithm.tell({"values": values, "costs": costs, "misses": found.misses}, rng)
+        return found
+
+    def record(self, found: Assessed) -> None:
+        """Add evaluated candidates to the front."""
+        costs = found.costs[found.feasible]
+        self.best = np.minimum(self.best, costs.min(axis=0, initial=np.inf))
+        kept, fresh = merged(self.front, costs)
+        front = np.concatenate([self.front[kept], costs[fresh]])
+        self.front = front[thinned(front, LARGEST)]
+
+    def improved(
+        self, generations: int, size: int, archive: Archive, is_stopped: Callable[[], bool]
+    ) -> Improved | Exception | None:
+        """The descents after a number of its generations; an error, or ``None`` without a start."""
+        problem = self._problem
+        values = self.algorithm.state().get("values", archive.values)
+        if not len(values):
+            return None
+        try:
+            share = generations * size // _EVALUATIONS_PER_GRADIENT
+            return improved(
+                problem,
+                assessed(problem, values),
+                most=max(share, _LEAST_GRADIENTS * len(problem.objectives)),
+                rng=generation_rng(self.seed, generations),
+                is_stopped=is_stopped,
+            )
+        except _NUMERICAL as error:
+            return error
+
+
 class _Populations:
-    """The independent populations of a search, and the records of each.
+    """The independent populations of a search, and the front over its evaluations.
 
     `state` holds all of them, so that a resumed search continues with the same digits.
     """
 
-    def __init__(self, problem: Problem, settings: SearchOptions) -> None:
+    def __init__(
+        self, problem: Problem, settings: SearchOptions, start: Float[Array, "m d"] | None
+    ) -> None:
         self._problem, self._settings = problem, settings
-        self.seeds = tuple(settings.seed + i for i in range(settings.seeds))
-        self.algorithms = [
-            algorithm_of(problem, settings.method, settings.population, seed) for seed in self.seeds
+        self.each = [
+            _Population(problem, settings, start, settings.seed + i) for i in range(settings.seeds)
         ]
         wanted = settings.polish is None or settings.polish
         self.polishes = wanted and problem.gradient is not None
-        self.gradients = np.zeros(len(self.seeds), dtype=np.int64)
-        self.undefined = np.zeros(len(self.seeds), dtype=np.int64)
-        self._best = np.full((len(self.seeds), len(problem.objectives)), np.inf)
         self._fronts: dict[int, Array] = {}
-        self._own: dict[int, Array] = {}
         self._failures: list[str] = []
 
-    def tell(self, turn: int, found: Assessed, rng: np.random.Generator) -> None:
-        """Give evaluated candidates to a population."""
-        defined = np.isfinite(found.objectives).all(axis=1)
-        self.undefined[turn] += np.count_nonzero(~defined)
-        self._record(turn, found.costs[found.feasible])
-        costs = np.where(defined[:, None], found.costs, 0.0)
-        told = {"values": found.values, "costs": costs, "misses": found.misses}
-        self.algorithms[turn].tell(told, rng)
-
-    def _record(self, turn: int, costs: Float[Array, "m q"]) -> None:
-        self._best[turn] = np.minimum(self._best[turn], costs.min(axis=0, initial=np.inf))
-        old = self._own.get(turn, costs[:0])
-        kept, fresh = merged(old, costs)
-        front = np.concatenate([old[kept], costs[fresh]])
-        self._own[turn] = front[thinned(front, LARGEST)]
+    @property
+    def gradients(self) -> int:
+        """Number of gradients of all populations."""
+        return sum(one.gradients for one in self.each)
 
     def remember(self, evaluations: int, archive: Archive) -> None:
         """Store at most 64 members of the front, for the hypervolume."""
@@ -610,80 +659,59 @@ class _Populations:
         archive
             The front so far.
         """
-        count, stopped = min(len(self.seeds), generations), threading.Event()
-        with ThreadPoolExecutor(count) as pool:
-            tasks = [
-                pool.submit(self._improved, turn, generations, archive, stopped.is_set)
-                for turn in range(count)
-            ]
+        started, stopped = self.each[:generations], threading.Event()
+        size = self._settings.population
+        with ThreadPoolExecutor(len(started)) as pool:
+            tasks = []
+            for turn, one in enumerate(started):
+                own = (generations - turn - 1) // len(self.each) + 1
+                tasks.append(pool.submit(one.improved, own, size, archive, stopped.is_set))
             try:
                 every = [task.result() for task in tasks]
             finally:
                 stopped.set()
-        for turn, better in enumerate(every):
+        for one, better in zip(started, every, strict=True):
             if isinstance(better, Exception):  # the front so far is a result without it
                 self._failures.append(str(better))
             elif better is not None:
-                self.gradients[turn] = better.gradients
-                self._record(turn, better.found.costs[better.found.feasible])
+                one.gradients = better.gradients
+                one.record(better.found)
                 archive = archive.joined(self._problem, better.found)
         return archive
 
-    def _improved(
-        self, turn: int, generations: int, archive: Archive, is_stopped: Callable[[], bool]
-    ) -> Improved | Exception | None:
-        """The descents of a population; an error, or ``None`` without candidates."""
-        problem, own = self._problem, (generations - turn - 1) // len(self.seeds) + 1
-        values = self.algorithms[turn].state().get("values", archive.values)
-        if not len(values):
-            return None
-        try:
-            share = own * self._settings.population // _EVALUATIONS_PER_GRADIENT
-            return improved(
-                problem,
-                assessed(problem, values),
-                most=max(share, _LEAST_GRADIENTS * len(problem.objectives)),
-                rng=generation_rng(self.seeds[turn], own),
-                is_stopped=is_stopped,
-            )
-        except _NUMERICAL as error:
-            return error
-
     def effort(self, now: Checkpoint) -> str:
         """Number of seeds and gradients of the search, in words."""
-        count = min(len(self.seeds), now.generation)
-        seeds = f"seed {self.seeds[0]}" if count == 1 else f"{count} seeds"
-        steps = int(self.gradients.sum())
-        return f"{seeds}, {f'polished with {steps} gradients' if steps else 'no polish'}"
+        count = min(len(self.each), now.generation)
+        seeds = f"seed {self.each[0].seed}" if count == 1 else f"{count} seeds"
+        polish = f"polished with {self.gradients} gradients" if self.gradients else "no polish"
+        return f"{seeds}, {polish}"
 
     def convergence(
         self, now: Checkpoint, archive: Archive, gain: Float[Array, " q"]
     ) -> Convergence:
         """The convergence of the finished search."""
-        problem = self._problem
+        problem, started = self._problem, self.each[: now.generation]
         final = problem.costs(archive.objectives)
         low, high = final.min(axis=0), final.max(axis=0)
         reference = high + _BEYOND * (high - low)
         self.remember(now.evaluations, archive)
-        several = len(problem.objectives) > 1
-        milestones = tuple(
-            Milestone(
-                evaluations=evaluations,
-                hypervolume=hypervolume(costs, low, reference) if several else None,
-                best=problem.costs(costs.min(axis=0, initial=np.inf)),
-            )
-            for evaluations, costs in sorted(self._fronts.items())
-        )
-        count = min(len(self.seeds), now.generation)
+
+        def volume(costs: Float[Array, "k q"]) -> float | None:
+            return hypervolume(costs, low, reference) if len(problem.objectives) > 1 else None
+
         return Convergence(
-            milestones=milestones,
-            reference=problem.costs(reference),
-            seeds=self.seeds[:count],
-            best=problem.costs(self._best[:count]),
-            hypervolumes=tuple(
-                hypervolume(self._own[turn], low, reference) if several else None
-                for turn in range(count)
+            milestones=tuple(
+                Milestone(
+                    evaluations=evaluations,
+                    hypervolume=volume(costs),
+                    best=problem.costs(costs.min(axis=0, initial=np.inf)),
+                )
+                for evaluations, costs in sorted(self._fronts.items())
             ),
+            reference=problem.costs(reference),
+            seeds=tuple(one.seed for one in started),
+            best=problem.costs(np.array([one.best for one in started])),
+            hypervolumes=tuple(volume(one.front) for one in started),
             gain=gain,
             failures=tuple(dict.fromkeys(self._failures)),
         )
@@ -691,31 +719,22 @@ class _Populations:
     def state(self) -> State:
         """All that the next generation and the result depend on."""
         state = {
-            f"{i}.{name}": array
-            for i, one in enumerate(self.algorithms)
-            for name, array in one.state().items()
+            "undefined": np.array([one.undefined for one in self.each]),
+            "best": np.array([one.best for one in self.each]),
         }
-        own = {"undefined": self.undefined, "best": self._best}
-        fronts = {f"front.{count}": costs for count, costs in self._fronts.items()}
-        fronts |= {f"own.{turn}": costs for turn, costs in self._own.items()}
-        return state | {name: array.copy() for name, array in own.items()} | fronts
+        for turn, one in enumerate(self.each):
+            state |= _prefixed(f"{turn}.", one.algorithm.state()) | {f"own.{turn}": one.front}
+        return state | {f"front.{count}": costs for count, costs in self._fronts.items()}
 
     def restore(self, state: Mapping[str, Array]) -> None:
         """Continue from a state."""
-        self.undefined, self._best = (state[name].copy() for name in ("undefined", "best"))
-        for i, one in enumerate(self.algorithms):
-            start = f"{i}."
-            own = {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
-            if own:
-                one.restore(own)
-        self._fronts, self._own = (
-            {
-                int(name.removeprefix(start)): array
-                for name, array in state.items()
-                if name.startswith(start)
-            }
-            for start in ("front.", "own.")
-        )
+        for turn, one in enumerate(self.each):
+            one.undefined, one.best = int(state["undefined"][turn]), state["best"][turn]
+            one.front = state.get(f"own.{turn}", one.front)
+            if own := _without_prefix(f"{turn}.", state):
+                one.algorithm.restore(own)
+        fronts = _without_prefix("front.", state)
+        self._fronts = {int(count): costs for count, costs in fronts.items()}
 
 
 def _is_power_of_two(number: int) -> bool:
