@@ -13,7 +13,7 @@ from typing import Any, Literal, Protocol, get_args, runtime_checkable
 import numpy as np
 
 from chromanoise.apps.design.objectives import FAST, OBJECTIVES, Candidate, Objective, value_of
-from chromanoise.apps.design.parameters import Candidates, noise_of
+from chromanoise.apps.design.parameters import Candidates, bounds_of, noise_of
 from chromanoise.base import (
     Array,
     Bool,
@@ -97,6 +97,18 @@ class DesignScene:
     def maker(self) -> MatrixMaker:
         """The method of the color matrix."""
         return matrix_makers([self.matrix], self.metric, prior=self.prior)[self.matrix.strip()]
+
+    @property
+    def method(self) -> str:
+        """Name of the method of the color matrix, without its parameter."""
+        return self.matrix.partition("=")[0].strip()
+
+    @property
+    def noise_weight(self) -> float | None:
+        """Weight of the noise in the color matrix; ``None`` for a method without one. [1]"""
+        if self.method not in _WEIGHTED:
+            return None
+        return dict(self.maker.parameters).get("weight", float(self.method == "lmmse"))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -239,7 +251,6 @@ OverScenes = Literal["worst", "mean"]
 _WEIGHTED = ("least-squares", "lmmse", "noise-regularized")
 _COMPLEX_STEP = 1e-30
 _DIFFERENCE_STEP = 1e-5  # of the range of a parameter
-_ENDS = ("low", "high")
 _LEAST_INDEPENDENCE = 1e-5  # 1 / VIF; below it normal equations lose too many digits
 _LEAST_SIGNAL_E = 1e-100  # of a perfect white; the square of its inverse is finite
 _FULL = 1 + 1e-12  # as `chromanoise.noise.saturated`
@@ -360,8 +371,7 @@ class Objectives:
         candidates
             As `values`.
         """
-        own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
-        return own.values(candidates)[:, 0]
+        return self._fullness.values(candidates)[:, 0]
 
     def has_exact_gradients(self, noise_weight_is_free: bool) -> bool:
         """Whether `gradient` is exact for all objectives, by kernels and without differences.
@@ -412,7 +422,7 @@ class Objectives:
         space, values
             As `gradient`.
         """
-        own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
+        own = self._fullness
         names = tuple(dict.fromkeys((*self.objectives, *own.objectives)))
         turned = _given(self, _turned(space, values))
         found, slope = replace(self, objectives=names)._slopes(space, values, turned)
@@ -473,7 +483,7 @@ class Objectives:
         self, space: Space, at: Float[Array, " d"]
     ) -> tuple[Float[Array, "s q"], Float[Array, "s q d"]]:
         """The objectives of each scene, and differences within the bounds."""
-        low, high = (np.array([getattr(one, end) for one in space.parameters]) for end in _ENDS)
+        low, high = bounds_of(space.parameters)
         step = np.diag(_DIFFERENCE_STEP * (high - low))
         above, below = np.minimum(at + step, high), np.maximum(at - step, low)
         found = self.values_of_scenes(space.candidates(np.vstack([at, above, below])))
@@ -482,6 +492,10 @@ class Objectives:
             rise = found[:, 1 : count + 1] - found[:, count + 1 :]
         width = np.diag(above) - np.diag(below)
         return found[:, 0], np.swapaxes(rise / width[:, None], 1, 2)
+
+    @property
+    def _fullness(self) -> "Objectives":
+        return replace(self, objectives=("share_of_full_well",), over_scenes="worst")
 
     @property
     def _higher(self) -> Bool[Array, " q"]:
@@ -632,7 +646,8 @@ def _values(
     for q, name in enumerate(names):
         if not _is_fast(scene, batch.weighted, name):
             _refuse_shares(OBJECTIVES[name], batch.more)
-            found[:, q] = _library_values(scene, batch.of(slice(None)), OBJECTIVES[name])
+            own = batch.of(slice(None))
+            found[:, q] = [_library_value(scene, own, i, OBJECTIVES[name]) for i in range(batch.m)]
     return found
 
 
@@ -826,28 +841,27 @@ def _rows(scene: DesignScene, groups: frozenset[str]) -> _Rows:
 
 
 def _matrix_group(scene: DesignScene) -> str:
-    word = scene.matrix.partition("=")[0].strip()
-    if word in (*_WEIGHTED, "ridge"):
+    if scene.method in (*_WEIGHTED, "ridge"):
         return "training"
-    return "axes" if word == "kernel" else ""
+    return "axes" if scene.method == "kernel" else ""
 
 
 def _method(scene: DesignScene, more: Candidates) -> tuple[int, float, float]:
     """Method of the kernels, strength of ridge, weight of the noise."""
     from chromanoise.apps.design import kernels
 
-    word, value = scene.matrix.partition("=")[0].strip(), dict(scene.maker.parameters)
-    if more.noise_weight is not None and word not in _WEIGHTED:
+    weight = scene.noise_weight
+    if more.noise_weight is not None and weight is None:
         raise InputError(
             f"matrix of scene {scene.name}".rstrip(),
             f"must be one of {', '.join(_WEIGHTED)} where the weight of the noise is free",
             value=scene.matrix,
         )
-    if word == "ridge":
-        return kernels.RIDGE, value["strength"], 0.0
-    if word in _WEIGHTED:
-        return kernels.NOISE_WEIGHTED, 0.0, value.get("weight", float(word == "lmmse"))
-    return (kernels.KERNEL if word == "kernel" else kernels.GIVEN), 0.0, 0.0
+    if weight is not None:
+        return kernels.NOISE_WEIGHTED, 0.0, weight
+    if scene.method == "ridge":
+        return kernels.RIDGE, dict(scene.maker.parameters)["strength"], 0.0
+    return (kernels.KERNEL if scene.method == "kernel" else kernels.GIVEN), 0.0, 0.0
 
 
 def _by_singular_values(
@@ -878,12 +892,10 @@ def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, 
     sensor, p = point.sensor, len(point.sensor.names)
     if not _has_signal(point):
         return np.full((3, p), np.nan)
-    if candidates.noise_weight is None and candidates.pixel_share is None:
+    weight = scene.noise_weight
+    is_of_scene = candidates.noise_weight is None and candidates.pixel_share is None
+    if is_of_scene or weight is None:
         return scene.maker(point).matrix
-    word, parameters = scene.matrix.partition("=")[0].strip(), dict(scene.maker.parameters)
-    if word not in _WEIGHTED:
-        return scene.maker(point).matrix
-    weight = parameters.get("weight", float(word == "lmmse"))
     if candidates.noise_weight is not None:
         weight = float(candidates.noise_weight[i])
     arrays, gain = scene_arrays(scene), point.exposure.time_s / scene.point.exposure.time_s
@@ -904,18 +916,10 @@ def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, 
     )
 
 
-def _library_values(
-    scene: DesignScene, candidates: Candidates, objective: Objective
-) -> Float[Array, " m"]:
-    """One objective by the library's function, candidate by candidate."""
-    return np.array(
-        [_library_value(scene, candidates, i, objective) for i in range(len(candidates))]
-    )
-
-
 def _library_value(
     scene: DesignScene, candidates: Candidates, i: int, objective: Objective
 ) -> float:
+    """An objective of one candidate by the library's function."""
     point, maker = _point(scene, candidates, i), scene.maker
     if not _has_signal(point):
         return objective.undefined

@@ -245,6 +245,11 @@ class Parameter(Free):
         refuse_outside(self.name, self.unit, value, self.least, self.most)
 
 
+def bounds_of(parameters: Sequence[Free]) -> tuple[Float[Array, " d"], Float[Array, " d"]]:
+    """The lower and the upper bounds of parameters, each in its unit."""
+    return np.array([one.low for one in parameters]), np.array([one.high for one in parameters])
+
+
 def refuse_outside(name: str, unit: str, value: float, least: float, most: float) -> None:
     """Refuse a value that is not finite, or not physically possible.
 

@@ -11,6 +11,7 @@ from chromanoise.apps.design.parameters import (
     Free,
     Parameter,
     Value,
+    bounds_of,
     noise_properties,
     refuse_other_noise,
     refuse_outside,
@@ -432,30 +433,27 @@ class DesignSpace:
             If a number is not possible.
         """
         values = self._checked(values)
-        time_ms = self._each("exposure.time_ms", values)
+        weight, time_ms = (
+            self._each(name, values) if name in self._numbers else None
+            for name in ("matrix.noise_weight", "exposure.time_ms")
+        )
         return Candidates(
             qe=self.curves(values),
             time_s=None if time_ms is None else time_ms / 1000.0,
             pixel_share=self.shares(values),
-            noise_weight=self._each("matrix.noise_weight", values),
+            noise_weight=weight,
             pixel=of_the_sum(self.base.pixel, self._pixel(values)),
         )
 
-    def _each(self, name: str, values: Inexact[Array, "m d"]) -> Inexact[Array, " m"] | None:
-        if name not in self._numbers:
-            return None
+    def _each(self, name: str, values: Inexact[Array, "m d"]) -> Inexact[Array, " m"]:
         return np.broadcast_to(self._number(name, values), (len(values),))
 
     def _pixel(self, values: Inexact[Array, "m d"]) -> dict[str, Inexact[Array, " m"]]:
         """Noise of one pixel of each candidate, by name."""
-        shape = (len(values),)
-        return {
-            name: np.broadcast_to(self._number(f"pixel.{name}", values), shape)
-            for name in self.pixel
-        }
+        return {name: self._each(f"pixel.{name}", values) for name in self.pixel}
 
     def _first(self, name: str, values: Float[Array, "m d"]) -> float:
-        return float(np.asarray(self._number(name, values)).flat[0])
+        return float(self._each(name, values)[0])
 
     def _checked(self, values: Inexact[Array, "m d"]) -> Inexact[Array, "m d"]:
         if values.shape[1] != len(self.parameters):
@@ -622,7 +620,7 @@ class DesignSpace:
 
     def _refuse_dark_channels(self) -> None:
         """Refuse a channel without QE at all of the bounds, the middle, and random candidates."""
-        low, high = (np.array([getattr(one, end) for one in self.parameters]) for end in _ENDS)
+        low, high = bounds_of(self.parameters)
         share = np.random.default_rng(0).random((_PROBES, low.size))
         share[:3] = np.array([0.0, 0.5, 1.0])[:, None]
         highest = self.curves(low + share * (high - low)).max(axis=(0, 1))
@@ -636,7 +634,6 @@ class DesignSpace:
                 )
 
 
-_ENDS = ("low", "high")
 _TIME = ModelNumber(unit="ms", what="exposure time", least=1e-6)
 _NOISE_WEIGHT = ModelNumber(unit="1", what="weight of the noise in the matrix")
 _CROSSTALK = ModelNumber(unit="1", what="share of the light that ends in neighbors", most=1.0)
