@@ -482,6 +482,26 @@ class DesignStudy(Study):
 
     design: DesignPart = Field(description="What is designed.")
 
+    def reference_index(self, word: str) -> int:
+        """Index of the sensor that results call by a word, or otherwise of that with this name.
+
+        Parameters
+        ----------
+        word
+            A label or a name of one of the sensors.
+        """
+        shown = [one.label or one.name for one in self.sensors]
+        return (shown if word in shown else [one.name for one in self.sensors]).index(word)
+
+    def filters(self) -> Iterator[tuple[str, FilterPart | ChannelPart]]:
+        """Key and part of each filter of the design."""
+        for i, channel in enumerate(self.design.channels):
+            yield f"design.channels.{i}", channel
+            if channel.ir_cut is not None:
+                yield f"design.channels.{i}.ir_cut", channel.ir_cut
+        if self.design.ir_cut is not None:
+            yield "design.ir_cut", self.design.ir_cut
+
     @after
     def _with_effect(self) -> "DesignStudy":
         errors = [*_idle_tables(self), *_unknown_references(self)]

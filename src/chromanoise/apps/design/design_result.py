@@ -148,8 +148,7 @@ def front_sentences(
     references
         Objectives of the references by name.
     """
-    marked = [one for one in front.members if one.extreme_of or one.knee]
-    sentences = [_sentence(one, front, parameters) for one in marked]
+    sentences = [_sentence(one, front, parameters) for one in front.marked]
     if references:
         sentences.append(_beaten(front, references))
     return sentences
@@ -224,21 +223,24 @@ def hypervolume_spread(result: FrontResult) -> float | None:
     return (most - min(volumes)) / most if most else float("inf")
 
 
+def extreme_spreads(result: FrontResult, objectives: Sequence[str]) -> dict[str, float]:
+    """`spread_of` the best values of the seeds, by objective."""
+    best = result.convergence.best.T.tolist()
+    return {
+        name: spread_of(OBJECTIVES[name], own) for name, own in zip(objectives, best, strict=True)
+    }
+
+
 def has_converged(result: FrontResult, objectives: Sequence[str]) -> bool | None:
     """Whether the extremes and the hypervolumes of the seeds agree; ``None`` for one seed."""
-    best = result.convergence.best
-    if len(best) < 2:
+    if len(result.convergence.seeds) < 2:
         return None
     spread = hypervolume_spread(result)
     agree = all(
-        spread_of(one, best[:, i].tolist()) <= _agreeing(one)
-        for i, one in enumerate(OBJECTIVES[name] for name in objectives)
+        width <= (AGREEING_DB if OBJECTIVES[name].unit == "dB" else AGREEING_SHARE)
+        for name, width in extreme_spreads(result, objectives).items()
     )
     return agree and (spread is None or spread <= AGREEING_SHARE)
-
-
-def _agreeing(objective: Objective) -> float:
-    return AGREEING_DB if objective.unit == "dB" else AGREEING_SHARE
 
 
 def convergence_sentences(result: FrontResult, objectives: Sequence[str]) -> list[str]:
@@ -260,18 +262,13 @@ def convergence_sentences(result: FrontResult, objectives: Sequence[str]) -> lis
             f"Whether the search has converged is not known ({effort}): set design.seeds = 3."
         ]
     else:
-        differences = []
-        for i, name in enumerate(objectives):
-            one = OBJECTIVES[name]
-            spread = spread_of(one, own.best[:, i].tolist())
-            difference = f"{spread:.2g} dB" if one.unit == "dB" else f"{100 * spread:.2g} %"
-            differences.append(
-                f"{difference if np.isfinite(spread) else 'undefined'} in {one.short}"
-            )
+        spreads = [
+            (width, OBJECTIVES[name].unit, OBJECTIVES[name].short)
+            for name, width in extreme_spreads(result, objectives).items()
+        ]
         volumes = hypervolume_spread(result)
-        if volumes is not None:
-            shown = f"{100 * volumes:.2g} %" if np.isfinite(volumes) else "undefined"
-            differences.append(f"{shown} in the hypervolume")
+        spreads += [] if volumes is None else [(volumes, "1", "the hypervolume")]
+        differences = [f"{_spread_text(width, unit)} in {what}" for width, unit, what in spreads]
         verdict = (
             "The search has converged"
             if converged
@@ -288,6 +285,12 @@ def convergence_sentences(result: FrontResult, objectives: Sequence[str]) -> lis
         )
     sentences += [f"The polish ended early: {one}." for one in own.failures]
     return sentences
+
+
+def _spread_text(width: float, unit: str) -> str:
+    if not np.isfinite(width):
+        return "undefined"
+    return f"{width:.2g} dB" if unit == "dB" else f"{100 * width:.2g} %"
 
 
 def beats(member: Mapping[str, float], other: Mapping[str, float], names: Sequence[str]) -> bool:
@@ -346,14 +349,11 @@ def _shortfall(member: Member, best: Member, objective: Objective) -> str:
     if objective.unit == "dB":
         return f"{abs(value - goal):.1f} dB short of the {_best(objective)}"
     ratio = value / goal if goal else np.inf
-    if not np.isfinite(ratio):
-        return f"a {objective.short} of {_shown(value, objective)}"
     if abs(ratio - 1) < _ALIKE:
         return f"within {100 * _ALIKE:g} % of the {_best(objective)}"
-    if ratio >= _TIMES:
-        return f"{_ratio(ratio)} times the {_best(objective)}"
     side = "above" if ratio > 1 else "below"
-    return f"{_percent(abs(ratio - 1))} {side} the {_best(objective)}"
+    percent = f"{_percent(abs(ratio - 1))} {side} the {_best(objective)}"
+    return _multiple(value, ratio, objective, _best(objective), percent)
 
 
 def _gain_for(member: Member, best: Member, front: Front) -> str:
@@ -370,17 +370,20 @@ def _gained(value: float, before: float, objective: Objective) -> str:
     if objective.unit == "dB":
         return f"{abs(value - before):.1f} dB more {objective.short}"
     ratio = value / before if before else np.inf
-    if not np.isfinite(ratio):
-        return f"a {objective.short} of {_shown(value, objective)}"
     if _HALF[0] <= ratio <= _HALF[1]:
         return f"half the {objective.short}"
+    percent = f"{_percent(ratio)} of the {objective.short}"
+    return _multiple(value, ratio, objective, objective.short, percent)
+
+
+def _multiple(value: float, ratio: float, objective: Objective, what: str, percent: str) -> str:
+    """A large ratio as a multiple, a small one in percent; the value where there is no ratio."""
+    if not np.isfinite(ratio):
+        return f"a {objective.short} of {_shown(value, objective)}"
     if ratio >= _TIMES:
-        return f"{_ratio(ratio)} times the {objective.short}"
-    return f"{_percent(ratio)} of the {objective.short}"
-
-
-def _ratio(ratio: float) -> str:
-    return f"{ratio:.0f}" if ratio >= 10 else f"{ratio:.2g}"
+        times = f"{ratio:.0f}" if ratio >= 10 else f"{ratio:.2g}"
+        return f"{times} times the {what}"
+    return percent
 
 
 def _percent(share: float) -> str:
@@ -446,7 +449,7 @@ class Design(Result):
             sentences += [
                 tolerance_sentence(one, beside, self.beside_name)
                 for one, beside in zip(self.members, self._beside, strict=True)
-                if one.extreme_of or one.knee
+                if one in self.front.marked
             ]
             sentences.append(tolerances_sentence(self.members, self._beside, self.beside_name))
         else:
@@ -512,9 +515,8 @@ class Design(Result):
         return tuple(found)
 
     def _pixel_sentences(self) -> list[str]:
-        marked = [one for one in self.members if one.extreme_of or one.knee]
         texts = []
-        for one in marked:
+        for one in self.front.marked:
             shares = self.pixel_percent(one)
             if shares:
                 percents = "/".join(f"{share:.0f}" for share in shares.values())
@@ -658,10 +660,6 @@ class Design(Result):
         def named(values: Any) -> dict[str, float | None]:
             return self._finite(dict(zip(names, np.asarray(values).tolist(), strict=True)))
 
-        spreads = [
-            spread_of(OBJECTIVES[name], best)
-            for name, best in zip(names, own.best.T.tolist(), strict=True)
-        ]
         return FrontConvergence(
             converged=has_converged(result, names),
             evaluations=result.evaluations,
@@ -671,7 +669,7 @@ class Design(Result):
                 FrontSeed(seed=seed, best=named(best), hypervolume=volume)
                 for seed, best, volume in zip(own.seeds, own.best, own.hypervolumes, strict=True)
             ],
-            spread=named(spreads),
+            spread=self._finite(extreme_spreads(result, names)),
             gain=named(own.gain),
             reference=named(own.reference),
             milestones=[

@@ -23,6 +23,7 @@ from chromanoise.apps.design.parameters import (
     Candidates,
     Parameter,
     RobustPart,
+    bounds_of,
     over_tolerances,
     refuse_exact,
 )
@@ -157,23 +158,21 @@ class Task:
             space=self.space,
             evaluator=self.evaluator,
             objectives=len(self.objectives),
-            limits=tuple(
-                (self.evaluator.objectives.index(one.objective), one.sign, one.value)
-                for one in self.limits
-            ),
+            limits=self.limits,
             draws=draws,
         )
 
     def problem(self) -> Problem:
         """What the search minimizes."""
         parameters = self.space.parameters
+        low, high = bounds_of(parameters)
         evaluate = self.evaluation(self.draws)
         polish = self.document.design.polish
         wanted = self._has_exact_gradients if polish is None else polish
         return Problem(
             names=tuple(one.name for one in parameters),
-            low=np.array([one.low for one in parameters]),
-            high=np.array([one.high for one in parameters]),
+            low=low,
+            high=high,
             objectives=self.objectives,
             better=tuple(OBJECTIVES[name].better for name in self.objectives),
             constraints=(*(one.name for one in self.limits), FULL_WELL),
@@ -206,7 +205,7 @@ class Evaluation:
     objectives
         How many of the evaluator's values are objectives of the search; they come first.
     limits
-        Index of the value, sign (1 for at most) and number of each constraint.
+        The constraints, each on one of the evaluator's values.
     draws
         Of the tolerances over which both are taken; ``None`` for the exact parameters.
     """
@@ -214,7 +213,7 @@ class Evaluation:
     space: DesignSpace
     evaluator: Objectives
     objectives: int
-    limits: tuple[tuple[int, float, float], ...]
+    limits: tuple[Limit, ...]
     draws: RobustPart | None = None
 
     def __call__(self, values: Float[Array, "m d"]) -> Evaluated:
@@ -236,10 +235,13 @@ class Evaluation:
         return np.column_stack(
             [
                 np.where(dark[:, None], np.inf, costs),
-                *(sign * (found[:, i] - value) for i, sign, value in self.limits),
+                *(one.sign * (found[:, self._place(one)] - one.value) for one in self.limits),
                 self.evaluator.share_of_full_well(candidates) - FULLEST,
             ]
         )
+
+    def _place(self, limit: Limit) -> int:
+        return self.evaluator.objectives.index(limit.objective)
 
     @property
     def _sign(self) -> Float[Array, " q"]:
@@ -250,16 +252,15 @@ class Evaluation:
         """Objectives and violations of candidates with exact parameters, and derivatives."""
         at = self.evaluator.linearization(self.space, values)
         violation, slope, constraint = [], [], []
-        for k, (i, sign, value) in enumerate(self.limits):
-            parts, jacobian = at.objectives[:, i : i + 1], at.objectives_jacobian[:, i : i + 1]
-            if (
-                sign < 0
-                and self.evaluator.objectives[i] == "least_separation"
-                and at.separations.shape[1]
-            ):
+        for k, one in enumerate(self.limits):
+            is_each = one.objective == "least_separation" and one.side == "at_least"
+            if is_each and at.separations.shape[1]:
                 parts, jacobian = at.separations, at.separations_jacobian
-            violation.append(sign * (parts - value))
-            slope.append(sign * jacobian)
+            else:
+                own = [self._place(one)]
+                parts, jacobian = at.objectives[:, own], at.objectives_jacobian[:, own]
+            violation.append(one.sign * (parts - one.value))
+            slope.append(one.sign * jacobian)
             constraint += [k] * parts.shape[1]
         return Linearized(
             objectives=at.objectives[:, : self.objectives],
@@ -332,11 +333,7 @@ def task_of(document: DesignStudy, given: Given = NOTHING_GIVEN) -> Task:
 
 def _base_index(document: DesignStudy) -> int:
     name = document.design.base
-    names = [one.name for one in document.sensors]
-    labels = [one.label for one in document.sensors]
-    if name is None:
-        return 0
-    return labels.index(name) if name in labels else names.index(name)
+    return 0 if name is None else document.reference_index(name)
 
 
 def scenes_of(
@@ -437,18 +434,10 @@ def _filter(part: FilterPart | ChannelPart) -> Filter:
 
 def _library(document: DesignStudy) -> dict[str, Array]:
     """The transmittances that the filters of model ``dye`` name."""
-    design, answers = document.design, Answers(quantity="transmittance")
-    parts: dict[str, FilterPart | ChannelPart] = {}
-    for i, channel in enumerate(design.channels):
-        parts[f"design.channels.{i}.curves"] = channel
-        if channel.ir_cut is not None:
-            parts[f"design.channels.{i}.ir_cut.curves"] = channel.ir_cut
-    if design.ir_cut is not None:
-        parts["design.ir_cut.curves"] = design.ir_cut
-    library = {}
-    for key, part in parts.items():
+    library, answers = {}, Answers(quantity="transmittance")
+    for key, part in document.filters():
         for word in part.curves:
-            with keyed(key):
+            with keyed(f"{key}.curves"):
                 library[word] = _transmittance(word, answers)
     return library
 
@@ -510,10 +499,7 @@ def _limit(
         choose = min if OBJECTIVES[part.objective].better == "lower" else max
         name = choose(values, key=lambda one: values[one])
     else:
-        known = [one.label or one.name for one in document.sensors]
-        if limit not in known:
-            known = [one.name for one in document.sensors]
-        name = references[known.index(limit)].name
+        name = references[document.reference_index(limit)].name
     if not np.isfinite(values[name]):
         raise InputError(
             part.side,

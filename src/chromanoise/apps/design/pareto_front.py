@@ -501,6 +501,11 @@ class Front:
         """The knee of the front."""
         return next(member for member in self.members if member.knee)
 
+    @property
+    def marked(self) -> tuple[Member, ...]:
+        """The extremes and the knee."""
+        return tuple(one for one in self.members if one.extreme_of or one.knee)
+
     def best(self, objective: str) -> Member:
         """The member with the best value of an objective.
 
