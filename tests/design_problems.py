@@ -47,6 +47,12 @@ def problem_of(function, low, high, *, better=("lower", "lower"), constraints=()
     )
 
 
+def same(one, other):
+    """Whether two fronts have the same bits."""
+    names = "values", "objectives", "violation"
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
+
+
 def zdt1(count=10):
     """Zitzler, Deb & Thiele (2000): the front is f2 = 1 - sqrt(f1)."""
 

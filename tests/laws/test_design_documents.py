@@ -44,6 +44,13 @@ def read(tmp_path, text):
     return read_design(file)
 
 
+def refused_keys(tmp_path, text):
+    """The keys of the errors in a design."""
+    with refused_input() as caught:
+        read(tmp_path, text)
+    return [one.setting for one in errors_in(caught.value)]
+
+
 def test_the_starter_is_a_design_with_two_references_and_seven_free_numbers(tmp_path):
     document = read(tmp_path, DESIGN_STARTER)
     task = task_of(document)
@@ -113,9 +120,7 @@ def test_what_a_design_cannot_use_is_refused_with_its_key(tmp_path, change, sett
     ],
 )
 def test_a_table_without_effect_on_a_design_is_refused(tmp_path, table, key):
-    with refused_input() as caught:
-        read(tmp_path, HEAD + CHANNEL + table)
-    assert [one.setting for one in errors_in(caught.value)] == [key]
+    assert refused_keys(tmp_path, HEAD + CHANNEL + table) == [key]
 
 
 def constraint(side, limit):
@@ -140,9 +145,7 @@ def test_the_limit_of_a_reference_is_its_own_value(tmp_path, limit):
     ],
 )
 def test_a_constraint_has_one_limit_that_is_a_number_or_a_reference(tmp_path, text, where):
-    with refused_input() as caught:
-        read(tmp_path, HEAD + CHANNEL + text)
-    assert [one.setting for one in errors_in(caught.value)] == [where]
+    assert refused_keys(tmp_path, HEAD + CHANNEL + text) == [where]
 
 
 def test_the_identity_of_a_design_depends_on_all_but_the_effort_of_the_search(tmp_path):
@@ -182,9 +185,8 @@ def test_the_page_on_the_search_lists_each_filter_with_its_numbers_and_each_obje
 def test_a_design_refuses_what_its_search_and_space_refuse_with_the_key(tmp_path, key, value):
     effort = f"[design]\n{key} = {value}\n"
     head = HEAD.replace("population = 8\n", "").replace("budget = 16", "budget = 1_000_000")
-    with refused_input() as caught:
-        read(tmp_path, head.replace("[design]\n", effort) + CHANNEL)
-    assert [one.setting for one in errors_in(caught.value)] == [f"design.{key}"]
+    text = head.replace("[design]\n", effort) + CHANNEL
+    assert refused_keys(tmp_path, text) == [f"design.{key}"]
 
 
 def test_every_method_of_the_search_is_a_method_of_a_design(tmp_path):
@@ -226,9 +228,8 @@ def test_a_saturated_reference_is_named_and_not_counted_as_beaten(tmp_path):
 
 
 def test_limits_that_contradict_each_other_are_refused_before_the_search(tmp_path):
-    with refused_input() as caught:
-        read(tmp_path, HEAD + CHANNEL + constraint("at_most", "1") + constraint("at_least", "2"))
-    assert [one.setting for one in errors_in(caught.value)] == ["design.constraints"]
+    limits = constraint("at_most", "1") + constraint("at_least", "2")
+    assert refused_keys(tmp_path, HEAD + CHANNEL + limits) == ["design.constraints"]
 
 
 BARE = "\n".join(f'[[design.channels]]\nname = "{name}"' for name in "RGB")
@@ -302,6 +303,5 @@ def test_a_scene_without_a_time_has_the_longest_at_which_no_reference_saturates(
 
 
 def test_an_unknown_light_of_a_scene_names_the_scene(tmp_path):
-    with refused_input() as caught:
-        read(tmp_path, HEAD + CHANNEL + '[[design.scenes]]\nilluminant = "QQ"\n')
-    assert [one.setting for one in errors_in(caught.value)] == ["design.scenes.0.illuminant"]
+    scene = '[[design.scenes]]\nilluminant = "QQ"\n'
+    assert refused_keys(tmp_path, HEAD + CHANNEL + scene) == ["design.scenes.0.illuminant"]

@@ -91,6 +91,30 @@ def of_library(scene, qe, names):
     return np.array([value_of(OBJECTIVES[name], one) for name in names])
 
 
+def of_batch(scenes, qe, names, **fields):
+    """The objectives of curves in one scene or in several."""
+    several = scenes if isinstance(scenes, tuple) else (scenes,)
+    return Objectives(scenes=several, objectives=names, **fields).values(Candidates(qe=qe))
+
+
+def slope_of(function, at, step):
+    """Central difference of fourth order, one row per step."""
+    below_2, below, above, above_2 = (function(at + k * step) for k in (-2, -1, 1, 2))
+    return (8 * (above - below) - (above_2 - below_2)) / (12 * np.diag(step)[:, None])
+
+
+@dataclass(frozen=True)
+class Times:
+    """Sensors with the same curves, of which only the exposure time is free."""
+
+    parameters = (Parameter(name="time", unit="s", low=0.001, high=0.1),)
+
+    def candidates(self, values):
+        assert ((values.real >= 0.001) & (values.real <= 0.1)).all()
+        qe = np.repeat(luther_curves()[None], len(values), axis=0)
+        return Candidates(qe=qe, time_s=values[:, 0])
+
+
 @pytest.mark.parametrize("matrix", MATRICES)
 @pytest.mark.parametrize("p", [1, 2, 3, 4, 8])
 def test_a_batch_gives_the_values_of_the_library(matrix, p):
@@ -100,7 +124,7 @@ def test_a_batch_gives_the_values_of_the_library(matrix, p):
     hueless = p == 1  # colors of one channel are gray; their hue is rounding
     left_out = {"snr10_lux": searched, "ciede2000": hueless}
     names = tuple(name for name in FAST if not left_out.get(name))
-    found = Objectives(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
+    found = of_batch(scene, qe, names)
     wanted = np.array([of_library(scene, one, names) for one in qe])
     assert np.isfinite(wanted).mean() > 0.6
     np.testing.assert_allclose(found, wanted, rtol=1e-9)
@@ -174,8 +198,7 @@ def test_the_gradient_of_any_noise_of_the_pixel_is_the_central_difference(name):
     evaluator = Objectives(scenes=(scene,), objectives=("snr_y_db", "least_separation"))
     at, step = np.array([0.05, 0.4 * high]), np.diag([1e-4, 1e-3 * high])
     _, jacobian = evaluator.gradient(Noises(), at)
-    around = [evaluator.values(Noises().candidates(at + k * step)) for k in (-2, -1, 1, 2)]
-    wanted = (8 * (around[2] - around[1]) - (around[3] - around[0])).T / (12 * step.diagonal())
+    wanted = slope_of(lambda x: evaluator.values(Noises().candidates(x)), at, step).T
     assert (wanted[:, 1] < 0).all()
     np.testing.assert_allclose(jacobian, wanted, rtol=1e-5)
     separations = evaluator.linearization(Noises(), at).separations_jacobian
@@ -191,7 +214,7 @@ def test_dependent_and_nearly_dependent_channels_keep_the_digits_of_the_library(
         qe[i, :, 3] = (qe[i, :, 0] + qe[i, :, 1]) / 2 + apart * qe[i, :, 2]
     names = ("snr_y_db", "noise_delta_e", "delta_e", "ciede2000", "vora", "mean_separation")
     scene = plain_scene(matrix, p=4)
-    found = Objectives(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
+    found = of_batch(scene, qe, names)
     for one, values in zip(qe, found, strict=True):
         condition = np.linalg.cond(one / np.linalg.norm(one, axis=0))
         tolerance = max(1e-9, 1e-14 * condition) if condition < 1e10 else 1e-9
@@ -203,13 +226,9 @@ def test_the_bits_of_a_candidate_depend_neither_on_the_batch_nor_on_the_threads(
     qe = bells(rng, 300, 3)
     qe[7, :, 2] = qe[7, :, 0]  # a singular one goes another way
     scene = plain_scene("kernel")
-    whole = Objectives(scenes=(scene,), objectives=FAST, threads=1).values(Candidates(qe=qe))
-    threaded = Objectives(scenes=(scene,), objectives=FAST, threads=2).values(Candidates(qe=qe))
+    whole, threaded = (of_batch(scene, qe, FAST, threads=count) for count in (1, 2))
     assert (whole == threaded).all()
-    parts = [
-        Objectives(scenes=(scene,), objectives=FAST).values(Candidates(qe=part))
-        for part in np.split(qe, [1, 6, 40, 233])
-    ]
+    parts = [of_batch(scene, part, FAST) for part in np.split(qe, [1, 6, 40, 233])]
     assert (np.concatenate(parts) == whole).all()
 
 
@@ -233,19 +252,15 @@ def luther_curves():
 @pytest.mark.parametrize("matrix", ["kernel", "least-squares"])
 def test_mixtures_of_the_observer_have_no_color_error_and_a_vora_value_of_1(matrix):
     names = ("delta_e", "ciede2000", "vora")
-    evaluator = Objectives(scenes=(plain_scene(matrix),), objectives=names)
-    np.testing.assert_allclose(
-        evaluator.values(Candidates(qe=luther_curves()[None])), [[0, 0, 1]], atol=1e-9
-    )
+    found = of_batch(plain_scene(matrix), luther_curves()[None], names)
+    np.testing.assert_allclose(found, [[0, 0, 1]], atol=1e-9)
 
 
 def test_one_channel_has_the_snr_of_its_electrons_whatever_its_angle():
     scene, qe = plain_scene(p=1), bells(np.random.default_rng(5), 4, 1)
-    found = Objectives(scenes=(scene,), objectives=("snr_y_db",)).values(Candidates(qe=qe))
-    share = Objectives(scenes=(scene,), objectives=("snr_y_db",)).share_of_full_well(
-        Candidates(qe=qe)
-    )
-    electrons = share * QUIET.full_well_e
+    evaluator = Objectives(scenes=(scene,), objectives=("snr_y_db",))
+    found = evaluator.values(Candidates(qe=qe))
+    electrons = evaluator.share_of_full_well(Candidates(qe=qe)) * QUIET.full_well_e
     np.testing.assert_allclose(found[:, 0], 20 * np.log10(electrons / np.sqrt(electrons + 9)))
 
 
@@ -273,8 +288,7 @@ def of_white(scene, qe):
 def test_ciede2000_equals_another_code_for_all_hues():
     rng, scene = np.random.default_rng(8), plain_scene()
     qe = rng.uniform(0.02, 0.9, (60, GRID.n, 3)) ** rng.uniform(1, 9, (60, 1, 3))
-    evaluator = Objectives(scenes=(scene,), objectives=("ciede2000",))
-    found = evaluator.values(Candidates(qe=qe))[:, 0]
+    found = of_batch(scene, qe, ("ciede2000",))[:, 0]
     for one, value in zip(qe, found, strict=True):
         point = candidate_point(scene, one)
         given = (point.sensor, scene.maker(point), point.exposure, point.illuminant)
@@ -323,8 +337,7 @@ def test_gradients_equal_central_differences(matrix, more):
     evaluator = Objectives(scenes=scenes, objectives=names)
     values, jacobian = evaluator.gradient(space, at)
     step = 1e-3 * np.eye(at.size)
-    around = [evaluator.values(space.candidates(at + k * step)) for k in (-2, -1, 1, 2)]
-    wanted = (8 * (around[2] - around[1]) - (around[3] - around[0])) / (12 * 1e-3)
+    wanted = slope_of(lambda x: evaluator.values(space.candidates(x)), at, step)
     np.testing.assert_allclose(values, evaluator.values(space.candidates(at[None]))[0], rtol=1e-12)
     size = np.abs(wanted).max(axis=0)[:, None]
     assert (np.abs(jacobian - wanted.T) <= 1e-6 * size + 1e-9).all()
@@ -358,17 +371,6 @@ def test_without_a_least_separation_of_the_worst_scene_a_linearization_has_no_se
 
 @pytest.mark.parametrize("at", [0.001, 0.02, 0.1])
 def test_differences_at_a_bound_do_not_step_beyond_it(at):
-    low, high = 0.001, 0.1
-
-    class Times:
-        parameters = (Parameter(name="time", unit="s", low=low, high=high),)
-
-        def candidates(self, values):
-            assert ((values.real >= low) & (values.real <= high)).all()
-            return Candidates(
-                qe=np.repeat(luther_curves()[None], len(values), axis=0), time_s=values[:, 0]
-            )
-
     noiseless = replace(QUIET, read_noise_e=0.0, full_well_e=1e9)
     scene = plain_scene("bounded-psi=2", pixel=noiseless)  # no kernel computes its matrix
     evaluator = Objectives(scenes=(scene,), objectives=("snr_y_db",))
@@ -378,14 +380,6 @@ def test_differences_at_a_bound_do_not_step_beyond_it(at):
 
 
 def test_the_gradient_of_a_shot_limited_snr_over_time_is_known():
-    class Times:
-        parameters = (Parameter(name="time", unit="s", low=0.001, high=0.1),)
-
-        def candidates(self, values):
-            return Candidates(
-                qe=np.repeat(luther_curves()[None], len(values), axis=0), time_s=values[:, 0]
-            )
-
     noiseless = replace(QUIET, read_noise_e=0.0, full_well_e=1e9)
     evaluator = Objectives(scenes=(plain_scene(pixel=noiseless),), objectives=("snr_y_db",))
     _, jacobian = evaluator.gradient(Times(), np.array([0.02]))
@@ -395,11 +389,8 @@ def test_the_gradient_of_a_shot_limited_snr_over_time_is_known():
 def test_the_worst_scene_counts_or_the_mean():
     qe, names = bells(np.random.default_rng(9), 5, 3), ("snr_y_db", "noise_delta_e")
     scenes = tuple(plain_scene(level_lux=lux) for lux in (1.0, 10.0))
-    dim, bright = (
-        Objectives(scenes=(s,), objectives=names).values(Candidates(qe=qe)) for s in scenes
-    )
-    worst = Objectives(scenes=scenes, objectives=names).values(Candidates(qe=qe))
-    mean = Objectives(scenes=scenes, objectives=names, over_scenes="mean").values(Candidates(qe=qe))
+    dim, bright = (of_batch(scene, qe, names) for scene in scenes)
+    worst, mean = (of_batch(scenes, qe, names, over_scenes=each) for each in ("worst", "mean"))
     assert (worst == dim).all()
     np.testing.assert_allclose(mean, (dim + bright) / 2)
 
@@ -419,8 +410,7 @@ def test_a_channel_that_measures_nothing_has_the_worst_values():
     qe = bells(np.random.default_rng(11), 2, 3)
     qe[0, :, 1] = 0.0
     for matrix in ("kernel", "lmmse"):
-        evaluator = Objectives(scenes=(plain_scene(matrix),), objectives=("snr_y_db", "vora"))
-        found = evaluator.values(Candidates(qe=qe))
+        found = of_batch(plain_scene(matrix), qe, ("snr_y_db", "vora"))
         assert (found[0] == -np.inf).all()
         assert np.isfinite(found[1]).all()
 
@@ -430,7 +420,7 @@ def test_pairs_of_a_scene_are_separated_instead_of_those_of_the_chart():
     pairs = PatchPairs(patches=chart, indices=np.array([[0, 1], [4, 9]]))
     scene, names = plain_scene(pairs=pairs), ("least_separation", "mean_separation", "delta_e")
     qe = bells(np.random.default_rng(12), 1, 3)
-    found = Objectives(scenes=(scene,), objectives=names).values(Candidates(qe=qe))[0]
+    found = of_batch(scene, qe, names)[0]
     np.testing.assert_allclose(found, of_library(scene, qe[0], names), rtol=1e-9)
 
 
@@ -446,33 +436,26 @@ def test_the_worst_of_a_small_tolerance_is_the_gradient_times_the_tolerance():
     np.testing.assert_allclose(worst, 1e-4 * np.abs(jacobian).sum(), rtol=0.1)
 
 
+HALF = np.full((1, GRID.n, 3), 0.5)
+
+
 @pytest.mark.parametrize(
     ("made", "fields"),
     [
-        (lambda: Objectives(scenes=(plain_scene(),), objectives=("snr_y",)), {"value": "snr_y"}),
-        (lambda: Objectives(scenes=(), objectives=("vora",)), {"subject": "scenes"}),
-        (lambda: Objectives(scenes=(plain_scene(),), objectives=()), {"subject": "objectives"}),
-        (
-            lambda: Objectives(scenes=(plain_scene(),), objectives=("vora",)).values(
-                Candidates(qe=np.full((1, 5, 3), 0.5))
-            ),
-            {"value": 5},
-        ),
-        (
-            lambda: Objectives(scenes=(plain_scene(),), objectives=("vora",)).values(
-                Candidates(qe=np.full((0, GRID.n, 3), 0.5))
-            ),
-            {"subject": "candidates"},
-        ),
+        (lambda: of_batch((), HALF, ("vora",)), {"subject": "scenes"}),
+        (lambda: of_batch(plain_scene(), HALF, ()), {"subject": "objectives"}),
+        (lambda: of_batch(plain_scene(), HALF, ("snr_y",)), {"value": "snr_y"}),
+        (lambda: of_batch(plain_scene(), HALF[:, :5], ("vora",)), {"value": 5}),
+        (lambda: of_batch(plain_scene(), HALF[:0], ("vora",)), {"subject": "candidates"}),
         (
             lambda: Objectives(scenes=(plain_scene(),), objectives=("visual_noise",)).values(
-                Candidates(qe=np.full((1, GRID.n, 3), 0.5), pixel_share=np.full((1, 3), 1 / 3))
+                Candidates(qe=HALF, pixel_share=np.full((1, 3), 1 / 3))
             ),
             {"subject": "objective visual_noise"},
         ),
         (
             lambda: Objectives(scenes=(plain_scene(),), objectives=("vora",)).values(
-                Candidates(qe=np.full((1, GRID.n, 3), 0.5), noise_weight=np.ones(1))
+                Candidates(qe=HALF, noise_weight=np.ones(1))
             ),
             {"value": "kernel"},
         ),
@@ -484,7 +467,7 @@ def test_the_worst_of_a_small_tolerance_is_the_gradient_times_the_tolerance():
         ),
         (lambda: plain_scene("kernal"), {"value": "kernal"}),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_evaluated_is_refused(made, fields):
     with refused_input(**fields):
         made()

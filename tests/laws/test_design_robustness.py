@@ -116,12 +116,16 @@ def test_over_the_tolerances_no_objective_is_better_and_no_constraint_has_more_s
     assert (robust.violation > exact.violation).all()
 
 
-@pytest.mark.parametrize(("text", "name"), [(DESIGN, "robust"), (DESIGN + ROBUST, "nominal")])
-def test_a_front_with_tolerances_gives_both_kinds_of_objectives(tmp_path, text, name):
-    one = task(tmp_path, text)
-    design = searched(one)
+@pytest.fixture(scope="module", params=["robust", "nominal"])
+def searched_with(request, tmp_path_factory):
+    """What a search did not take, and its design."""
+    text = DESIGN if request.param == "robust" else DESIGN + ROBUST
+    return request.param, searched(task(tmp_path_factory.mktemp("design"), text))
+
+
+def test_a_front_with_tolerances_gives_both_kinds_of_objectives(searched_with):
+    name, design = searched_with
     other = "nominal" if name == "robust" else "robust"
-    table = design.to_table()
     for member in design.to_file().members:
         exact, worst = member.objectives, getattr(member, name)
         if name == "nominal":
@@ -129,7 +133,7 @@ def test_a_front_with_tolerances_gives_both_kinds_of_objectives(tmp_path, text, 
         assert exact["snr_y_db"] > worst["snr_y_db"]
         assert exact["delta_e"] < worst["delta_e"]
         assert getattr(member, other) == {}
-    assert [c.name for c in table.columns if c.name.endswith(name)] == [
+    assert [c.name for c in design.to_table().columns if c.name.endswith(name)] == [
         f"snr_y_db_{name}",
         f"delta_e_{name}",
     ]
@@ -137,17 +141,14 @@ def test_a_front_with_tolerances_gives_both_kinds_of_objectives(tmp_path, text, 
     assert any(sentence.startswith(knee) for sentence in design.sentences)
 
 
-@pytest.mark.parametrize(("text", "name"), [(DESIGN, "robust"), (DESIGN + ROBUST, "nominal")])
-def test_the_extremes_with_and_without_tolerances_are_both_marked(tmp_path, text, name):
-    front = searched(task(tmp_path, text)).to_file()
+def test_the_extremes_with_and_without_tolerances_are_both_marked(searched_with):
+    name, design = searched_with
+    members = design.to_file().members
     for objective, best in (("snr_y_db", max), ("delta_e", min)):
-        values = {one.name: getattr(one, name)[objective] for one in front.members}
-        marked = [
-            one.name for one in front.members if objective in getattr(one, f"{name}_extreme_of")
-        ]
+        values = {one.name: getattr(one, name)[objective] for one in members}
+        marked = [one.name for one in members if objective in getattr(one, f"{name}_extreme_of")]
         assert [values[one] for one in marked] == [best(values.values())]
-        own = [one for one in front.members if objective in one.extreme_of]
-        assert len(own) == 1
+        assert len([one for one in members if objective in one.extreme_of]) == 1
 
 
 def test_a_candidate_without_signal_counts_as_infeasible_and_is_counted(tmp_path):

@@ -12,7 +12,7 @@ import design_problems
 from chromanoise.apps.design.pareto_front import Evaluated
 from chromanoise.apps.design.search import SearchOptions, scheduler_at, searched_front
 from dear import dear
-from design_problems import bnh
+from design_problems import bnh, same
 from outcomes import refused_input
 
 SETTINGS = SearchOptions(budget=300, population=50, seed=1)
@@ -37,14 +37,6 @@ def sent(problem):
     cloudpickle = pytest.importorskip("cloudpickle", reason="dask is an extra")
     cloudpickle.register_pickle_by_value(design_problems)
     return problem
-
-
-def arrays_of(result):
-    return result.values, result.objectives, result.violation
-
-
-def same(one, other):
-    return all(map(np.array_equal, arrays_of(one), arrays_of(other)))
 
 
 @pytest.mark.evidence

@@ -17,10 +17,9 @@ from chromanoise.apps.design.pareto_front import Evaluated, Problem, assessed, n
 from chromanoise.apps.design.search import SearchOptions, searched_front
 from chromanoise.base import packages
 from chromanoise.base.errors import InputError
-from design_problems import bnh, bowl, dtlz2, half_plane, problem_of, rosenbrock, zdt1
+from design_problems import bnh, bowl, dtlz2, half_plane, problem_of, rosenbrock, same, zdt1
 from outcomes import refused_input
 
-FIELDS = "values", "objectives", "violation"
 OF_ONE = "de", "cma-es"
 
 
@@ -44,10 +43,6 @@ def watched(problem):
         return problem.evaluate(values)
 
     return replace(problem, evaluate=kept), seen
-
-
-def same(one, other):
-    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in FIELDS)
 
 
 @pytest.mark.parametrize(("method", "distance"), [("nsga2", 0.02), ("nsga3", 0.05)])
@@ -646,9 +641,9 @@ def test_the_unit_of_a_constraint_does_not_change_the_search(method):
 
     settings = SearchOptions(method=method, budget=400, population=20, seeds=1)
     found = searched_front(problem(1.0), settings)
-    same = searched_front(problem(1024.0, constraint_sizes=(1024.0, 1.0)), settings)
-    np.testing.assert_array_equal(same.values, found.values)
-    np.testing.assert_array_equal(same.violation, found.violation * [1024.0, 1.0])
+    scaled = searched_front(problem(1024.0, constraint_sizes=(1024.0, 1.0)), settings)
+    np.testing.assert_array_equal(scaled.values, found.values)
+    np.testing.assert_array_equal(scaled.violation, found.violation * [1024.0, 1.0])
 
 
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 8))

@@ -39,6 +39,15 @@ def files_of(folder):
     }
 
 
+def analyzed(done, folder, member):
+    """The words of the command of a member, and the SNR of Y that it gives. [dB]"""
+    words = shlex.split(member["analyze"])
+    words[words.index(member["sensor"])] = str(folder / member["sensor"])
+    out, _ = done(*words[1:], "--json", "-")
+    (sensor,) = json.loads(out)["sensors"]
+    return words, sensor["color"]["snr_db"]["Y"]
+
+
 def test_init_writes_a_design_and_the_command_that_searches_it(run, here):
     said = "design.toml: change it, then `chromanoise optimize design.toml`\n"
     assert run("init", "--design") == (0, said, "")
@@ -69,14 +78,8 @@ def test_each_member_is_a_sensor_file_that_analyze_takes_with_the_snr_of_the_fro
     for member in front["members"]:
         assert (folder / member["sensor"]).is_file()
     member = front["members"][0]
-    words = shlex.split(member["analyze"])
-    at = words.index(member["sensor"])
-    words[at] = str(folder / member["sensor"])
-    out, _ = done(*words[1:], "--json", "-")
-    (sensor,) = json.loads(out)["sensors"]
-    assert sensor["color"]["snr_db"]["Y"] == pytest.approx(
-        member["objectives"]["snr_y_db"], rel=1e-9
-    )
+    _, snr_db = analyzed(done, folder, member)
+    assert snr_db == pytest.approx(member["objectives"]["snr_y_db"], rel=1e-9)
 
 
 def test_the_references_have_the_snr_that_analyze_gives_them(searched):
@@ -193,16 +196,11 @@ def test_a_designed_exposure_and_matrix_are_those_of_the_command_of_a_member(don
     design.write_text(SHORT + numbers)
     done("optimize", design, *EFFORT, "-o", "out")
     for member in front_of(design.parent / "out")["members"][:2]:
-        words = shlex.split(member["analyze"])
-        words[words.index(member["sensor"])] = f"out/{member['sensor']}"
-        out, _ = done(*words[1:], "--json", "-")
-        (sensor,) = json.loads(out)["sensors"]
+        words, snr_db = analyzed(done, design.parent / "out", member)
         assert float(words[words.index("--time-ms") + 1]) == pytest.approx(
             member["values"]["exposure.time_ms"]
         )
-        assert sensor["color"]["snr_db"]["Y"] == pytest.approx(
-            member["objectives"]["snr_y_db"], rel=1e-9
-        )
+        assert snr_db == pytest.approx(member["objectives"]["snr_y_db"], rel=1e-9)
 
 
 def test_the_printed_tables_fit_100_characters_with_many_objectives(done, design):
