@@ -15,7 +15,8 @@ import numpy as np
 
 import chromanoise as cn
 from chromanoise.apps.design import Design, DesignStudy, read_design
-from chromanoise.apps.design.algorithms import _Descents, _far_apart, latin_hypercube
+from chromanoise.apps.design.algorithms import latin_hypercube
+from chromanoise.apps.design.descents import _Descents, _far_apart
 from chromanoise.apps.design.design_result import convergence_sentences
 from chromanoise.apps.design.objectives import OBJECTIVES
 from chromanoise.apps.design.optimizing import task_of

@@ -12,7 +12,8 @@ from pymoo.operators.mutation.pm import mut_pm
 from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
 import chromanoise.apps.design.search as searching
-from chromanoise.apps.design.algorithms import METHODS, _crossed, _fronts, _mutated, improved
+from chromanoise.apps.design.algorithms import METHODS, _crossed, _fronts, _mutated
+from chromanoise.apps.design.descents import improved
 from chromanoise.apps.design.pareto_front import Evaluated, Problem, assessed, non_dominated
 from chromanoise.apps.design.search import SearchOptions, searched_front
 from chromanoise.base import packages

@@ -25,13 +25,12 @@ import numpy as np
 
 from chromanoise.apps.design.algorithms import (
     METHODS,
-    Improved,
     State,
     algorithm_of,
     generation_rng,
-    improved,
     latin_hypercube,
 )
+from chromanoise.apps.design.descents import Improved, improved
 from chromanoise.apps.design.pareto_front import (
     LARGEST,
     Archive,
