@@ -2,9 +2,7 @@
 
 import re
 from contextlib import contextmanager
-from dataclasses import fields
 
-import numpy as np
 import pytest
 
 from chromanoise.base.errors import InputError, Setting, errors_in

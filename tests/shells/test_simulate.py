@@ -75,7 +75,8 @@ def without_work(monkeypatch):
     """The test fails if a picture is taken."""
     for name in ("acquired", "rendered"):
         monkeypatch.setattr(
-            f"chromanoise.imaging.capture.{name}", lambda *_, **__: pytest.fail("worked")
+            f"chromanoise.imaging.denoising.denoised_pictures.{name}",
+            lambda *_, **__: pytest.fail("worked"),
         )
 
 
