@@ -2,7 +2,9 @@
 
 import re
 from contextlib import contextmanager
+from dataclasses import fields
 
+import numpy as np
 import pytest
 
 from chromanoise.base.errors import InputError, Setting, errors_in
@@ -82,3 +84,11 @@ def _agrees(error, setting, requirement, fields):
         and (setting is None or setting in names)
         and (requirement is None or re.search(requirement, error.requirement) is not None)
     )
+
+
+def same_bits(one, other):
+    """Whether two arrays, or all arrays of two records, are the same to the last bit."""
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other) and one.tobytes() == other.tobytes()
+    arrays = [f.name for f in fields(one) if isinstance(getattr(one, f.name), np.ndarray)]
+    return all(same_bits(getattr(one, name), getattr(other, name)) for name in arrays)

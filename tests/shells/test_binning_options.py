@@ -35,7 +35,7 @@ def test_raw_codes_of_digital_binning_are_refused(run, tmp_path):
     refused(outcome, "--binning-mode", value="digital")
 
 
-def test_a_pixel_of_a_picture_is_one_binned_pixel(run, result_of, tmp_path):
+def test_a_pixel_of_a_picture_is_one_binned_pixel(done, result_of, tmp_path):
     reflectance = np.full((128, 128, 14), 0.5, dtype=np.float32)
     cube = tmp_path / "cube.npz"
     np.savez(cube, wavelength_nm=np.linspace(400, 1050, 14), reflectance=reflectance)

@@ -187,7 +187,7 @@ OWN = "own camera.json"
 
 @pytest.mark.parametrize("more", [(), ("--read-noise-e", 2), ("--filter", "ircut-700")])
 def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
-    run, tmp_path, curves, more, capsys, monkeypatch, result_of
+    done, tmp_path, curves, more, capsys, monkeypatch, result_of
 ):
     own = tmp_path / OWN
     done("convert", "model-rgb", own)

@@ -165,36 +165,3 @@ def test_a_rawtoaces_camera_that_convert_writes_it_writes_again_the_same(done, h
         done("convert", name, "again.json", "--as", "rawtoaces")
         again = json.loads((here / "again.json").read_text())["spectral_data"]["data"]["main"]
         assert again == data
-
-
-def test_a_table_in_json_and_in_csv_keeps_all_digits(done, here):
-    done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.json")
-    done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.csv")
-    text = (here / "t.json").read_text()
-    table = table_from_json(text)
-    assert [list(row) for row in table.rows] == json.loads(text)["rows"]
-    rows = list(csv.reader((here / "t.csv").read_text().splitlines()))[1:]
-    for row, cells in zip(table.rows, rows, strict=True):
-        for value, cell in zip(row, cells, strict=True):
-            if isinstance(value, float):
-                assert float(cell) == value
-
-
-@pytest.mark.parametrize("ending", ["csv", "json", "clf", "dcp.json"])
-def test_an_exported_matrix_keeps_every_digit(done, result_of, here, ending):
-    out = result_of("matrix", "onyx-rgb", "--export", f"m.{ending}")["matrix"]
-    lux, text = np.array(out["lux_per_e"]), (here / f"m.{ending}").read_text()
-    if ending == "csv":
-        rows = [row for row in csv.reader(text.splitlines()) if not row[0].startswith("#")]
-        assert np.array_equal([[float(cell) for cell in row[1:]] for row in rows[1:]], lux)
-    elif ending == "json":
-        held = json.loads(text)
-        assert np.array_equal(held["matrix_lux_per_e"], lux)
-    else:
-        done("matrix", "onyx-rgb", "--export", "whole.json")
-        balanced = json.loads((here / "whole.json").read_text())["balanced"]
-        if ending == "clf":
-            (array,) = ElementTree.fromstring(text).iter("{urn:AMPAS:CLF:v3.0}Array")
-            assert np.array_equal(np.array(array.text.split(), float).reshape(3, 3), balanced)
-        else:
-            assert json.loads(text)["CameraToXYZ"] == balanced

@@ -365,6 +365,11 @@ class Sweep:
     def demand_in_range(self, *values: float) -> None:
         """Refuse values that are out of the range.
 
+        Parameters
+        ----------
+        values
+            Of what is varied, in its unit.
+
         Raises
         ------
         InputError

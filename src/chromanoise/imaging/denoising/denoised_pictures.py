@@ -262,9 +262,9 @@ def captured_with(
     Parameters
     ----------
     cube
-        The cube of reflectances.
+        Reflectances of each pixel.
     camera
-        Result of `camera_for`.
+        The sensor in use and the settings of the pictures, checked.
     method
         Of `DENOISING`; ``None`` for no denoising.
     frame
