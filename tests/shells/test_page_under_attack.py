@@ -48,6 +48,7 @@ LANE = processes.LANES["questions"]
 FILE = {"Content-Type": "application/octet-stream"}
 STUDY = {"sensors": [{"name": "onyx-rgb"}]}
 HEAD = json.dumps({"study": STUDY, "want": ["head"]}).encode()
+PICTURE = json.dumps({"study": STUDY | {"pictures": [{"cube": "builtin:checker"}]}}).encode()
 HEAVY = json.dumps(
     {
         "study": {
@@ -381,9 +382,10 @@ def test_a_computation_that_needs_too_much_memory_is_refused_in_one_sentence(wor
     assert "3 MB" in str(refused)
 
 
-def test_an_answer_that_is_too_long_is_refused_in_one_sentence(workers, monkeypatch):
+@pytest.mark.parametrize("question", [("texts", HEAD), ("picture", PICTURE)])
+def test_an_answer_that_is_too_long_is_refused_in_one_sentence(workers, monkeypatch, question):
     monkeypatch.setattr(processes, "MOST_ANSWER_BYTES", 100)
-    (refused,) = results(workers, ("texts", HEAD))
+    (refused,) = results(workers, question)
     assert isinstance(refused, QuestionError)
 
 

@@ -80,6 +80,17 @@ def test_an_input_that_is_gone_is_named(run, made):
     refused(run("rerun", "out", "--out", "again"), "cam.csv")
 
 
+def test_two_matrices_that_would_write_the_same_file_are_refused(run, done, here):
+    (here / "a").mkdir()
+    for name in ("a-m.csv", "a/m.csv"):
+        done("matrix", "onyx-rgb", "--export", name)
+    (here / "s.toml").write_text(
+        'matrices = ["a/m.csv", "a-m.csv"]\n[[sensors]]\nname = "onyx-rgb"\n'
+    )
+    refused(run("run", "s.toml", "--out", "out"), subject="file names of matrices", value="a-m.csv")
+    assert not (here / "out").exists()
+
+
 def test_a_catalog_folder_that_is_missing_is_asked_for(run, done, made, monkeypatch):
     folder = made / "mine"
     folder.mkdir()

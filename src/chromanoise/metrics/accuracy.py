@@ -512,7 +512,7 @@ def matrix_report(
     if patch is not None:
         scene = replace(white, reflectance=patch.values[:, 0])
         patch_e = expected_electrons(scene, sensor, exposure)
-        patch_xyz = scene_xyz(scene, matrix.metric)
+        patch_xyz = scene_xyz(scene, matrix.metric, matrix.observer)
     decibels = signal_snr_db(colored(with_noise(patch_e, sensor, exposure), matrix), patch_xyz)
     filters = effective_filters(matrix, sensor, exposure)
     answers = filters * light(white, matrix.metric)[:, None]

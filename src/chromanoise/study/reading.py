@@ -7,7 +7,7 @@ import copy
 import json
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -542,9 +542,12 @@ def _numbered(name: tuple[str, ...], counts: Mapping[Key, int]) -> Key:
     return (*place, name[-1])
 
 
-def refuse_shared_file_names(operating_points: Sequence[OperatingPoint]) -> None:
-    """Refuse sensors whose names differ, but not as parts of names of files."""
+def refuse_shared_file_names(
+    operating_points: Sequence[OperatingPoint], matrices: Iterable[str]
+) -> None:
+    """Refuse sensors or matrices whose names differ, but not as parts of names of files."""
     distinct("file names of sensors", [file_word(each.sensor.name) for each in operating_points])
+    distinct("file names of matrices", [file_word(name) for name in matrices])
 
 
 def file_word(name: str) -> str:

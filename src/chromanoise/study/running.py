@@ -127,7 +127,7 @@ def prepared_cameras(
     InputError
         If the cube cannot be read, or as ``capture_settings_of`` and ``camera_for``.
     """
-    refuse_shared_file_names(operating_points)
+    refuse_shared_file_names(operating_points, makers)
     part, key = study.pictures[number], f"pictures.{number}"
     cube = cube_of(part, key=key, given=given)
     with _keyed(key):
@@ -342,9 +342,8 @@ def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = 
     InputError
         If a name is unknown or a file cannot be read; raised before any computation.
     """
-    points = operating_points_of(study, given)
-    refuse_shared_file_names(points)
-    makers = makers_of(study, given)
+    points, makers = operating_points_of(study, given), makers_of(study, given)
+    refuse_shared_file_names(points, makers)
     steps = (
         *result_steps(study, points, makers, given=given),
         *_pictures(study, points, makers, work, given),

@@ -471,13 +471,14 @@ def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
     if kind == "failed":
         _LOG.error("%s", parts[0])
         raise RuntimeError("a job failed")
-    size = len(parts[0])
+    (found,) = parts
+    size = len(found[0] if isinstance(found, tuple) else found)  # a file has its name beside it
     if size > MOST_ANSWER_BYTES:
         sentence = (
             f"the answer has {size / 1e6:.0f} MB; the limit is {MOST_ANSWER_BYTES / 1e6:g} MB"
         )
         raise QuestionError((job.where, f"{sentence}; reduce the request"))
-    return parts[0]
+    return found
 
 
 def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
