@@ -12,7 +12,6 @@ from chromanoise.base.lazy import lazy_names
 if TYPE_CHECKING:
     from chromanoise.charts.budget_chart import cause_label as cause_label
     from chromanoise.charts.card import (
-        MOST_ON_CARD,
         PAPERS_IN,
         Card as Card,
         Paper as Paper,
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
         card_of as card_of,
     )
     from chromanoise.charts.charted_study import (
+        MOST_ON_CARD,
         Look as Look,
         Shown as Shown,
         shown as shown,

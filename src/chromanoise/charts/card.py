@@ -26,7 +26,7 @@ from matplotlib.transforms import Bbox
 
 from chromanoise.base import Array, InputError, UInt8, __version__, check, dataclass, write_whole
 from chromanoise.charts.budget_chart import budget_of
-from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
+from chromanoise.charts.charted_study import MOST_ON_CARD, Look, Shown, saturation_sentence
 from chromanoise.charts.color_checker import drawn_chart
 from chromanoise.charts.description import Chart
 from chromanoise.charts.figure_marks import draw_panel, draw_waterfalls, rows_of_waterfalls
@@ -67,7 +67,6 @@ from chromanoise.study import (
 Paper = Literal["16:9", "a4"]
 """A slide of 13.33 x 7.5 in, or A4 across."""
 PAPERS_IN: Mapping[Paper, tuple[float, float]] = {"16:9": (40 / 3, 7.5), "a4": (11.693, 8.268)}
-MOST_ON_CARD = 5
 ENDINGS = ("pdf", "svg", "png", "html")
 _SMALLEST_PT = 9.0
 _NOT_ON_CARD = frozenset({"turns", "matrix order"})  # of the sentences that answer the reader

@@ -17,6 +17,9 @@ from chromanoise.study import (
     with_distinct_names,
 )
 
+MOST_ON_CARD = 5
+"""Sensors on a card, which needs matplotlib: this is asked before it is imported."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shown:

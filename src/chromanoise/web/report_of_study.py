@@ -20,6 +20,7 @@ from chromanoise.base import (
     from_above,
 )
 from chromanoise.charts import (
+    MOST_ON_CARD,
     PARTS,
     SECTIONS,
     Section,
@@ -367,12 +368,9 @@ def _card(of: Shown, work: Work | None) -> str:
 
     Empty if there are more sensors than it holds, or nothing that draws it.
     """
-    if find_spec("matplotlib") is None:
+    if find_spec("matplotlib") is None or len(of.operating_points) > MOST_ON_CARD:
         return ""
-    figures = from_above("figures")
-    if len(of.operating_points) > figures.MOST_ON_CARD:
-        return ""
-    card = figures.card_of(of, paper="a4", work=work)
+    card = from_above("figures").card_of(of, paper="a4", work=work)
     return data_address(card.content("svg"), "image/svg+xml")
 
 
