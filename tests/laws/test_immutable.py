@@ -2,14 +2,16 @@
 
 import copy
 import dataclasses
+import gc
 import inspect
 import pickle
+import weakref
 from dataclasses import KW_ONLY, FrozenInstanceError, field, fields, replace
 
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.base import dataclass
+from chromanoise.base import dataclass, kept
 
 KINDS = {
     "keywords": {"frozen": True, "kw_only": True},
@@ -126,3 +128,24 @@ def test_a_class_extends_it_and_its_values_are_copied_and_pickled(kind):
         one.length = 3
     with pytest.raises(TypeError, match="length"):
         kind(size=2)
+
+
+def test_what_is_kept_of_an_object_is_computed_once_and_goes_with_it():
+    @dataclass(frozen=True, eq=False)
+    class Light:
+        level: float
+
+    asked = []
+
+    @kept
+    def doubled(light):
+        asked.append(light.level)
+        return 2 * light.level
+
+    one, equal = Light(2.0), Light(2.0)
+    assert [doubled(light) for light in (one, one, equal, one)] == [4.0] * 4
+    assert asked == [2.0, 2.0]
+    gone = weakref.ref(one)
+    del one
+    gc.collect()
+    assert gone() is None

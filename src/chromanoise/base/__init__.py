@@ -34,7 +34,7 @@ if TYPE_CHECKING:
         write_kept,
         write_whole,
     )
-    from chromanoise.base.immutable import dataclass
+    from chromanoise.base.immutable import dataclass, kept
     from chromanoise.base.inputs import content_hash, json_file, json_of, regular_file, true_path
     from chromanoise.base.lazy import (
         MovedPackages,

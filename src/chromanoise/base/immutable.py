@@ -1,8 +1,14 @@
-"""Dataclasses with shared methods: the standard ones generate theirs, 60 ms at each start."""
+"""Dataclasses with shared methods (the standard ones generate theirs, 60 ms at each start)."""
 
+from collections.abc import Callable
 from dataclasses import MISSING, FrozenInstanceError, dataclass, fields, is_dataclass
+from functools import wraps
 from inspect import Parameter, Signature
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from weakref import WeakKeyDictionary
+
+_Of = TypeVar("_Of")
+_Result = TypeVar("_Result")
 
 if not TYPE_CHECKING:
     _standard = dataclass
@@ -133,3 +139,25 @@ def _hash(self: Any) -> int:
 
 def _refuse(self: Any, name: str, *value: Any) -> NoReturn:
     raise FrozenInstanceError(f"cannot {'assign to' if value else 'delete'} field {name!r}")
+
+
+def kept(function: Callable[[_Of], _Result]) -> Callable[[_Of], _Result]:
+    """A decorator: what a function finds of an object is computed once, and goes with the object.
+
+    For objects that are compared by identity. What is found must not hold the object, which would
+    stay in memory with it.
+
+    Parameters
+    ----------
+    function
+        Of one object whose values never change.
+    """
+    known: WeakKeyDictionary[_Of, _Result] = WeakKeyDictionary()
+
+    @wraps(function)
+    def found(of: _Of) -> _Result:
+        if of not in known:
+            known[of] = function(of)
+        return known[of]
+
+    return found

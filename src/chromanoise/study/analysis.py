@@ -20,6 +20,7 @@ from chromanoise.base import (
     dataclass,
     decibel,
     defined,
+    kept,
     notebook,
     with_short_repr,
 )
@@ -557,6 +558,7 @@ def _db(value: float | None) -> str:
     return number_text(value, ".1f", "none")
 
 
+@kept
 def mean_color_error(analysis: Analysis) -> float | None:
     """Mean CIE 1976 difference over the chart, without noise. [Delta E*ab]
 
@@ -652,7 +654,7 @@ def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     return dict(_color_snr_db(analysis))
 
 
-@lru_cache(maxsize=64)  # called for every check of a white
+@kept  # called for every check of a white
 def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
     return _color_ratios(analysis, analysis.color)
 

@@ -25,6 +25,7 @@ from chromanoise.base import (
     dataclass,
     defined,
     inv,
+    kept,
     with_short_repr,
 )
 from chromanoise.color import (
@@ -283,7 +284,7 @@ VISUAL_NOISE = "visual noise of an 18 % gray as viewed"
 """What `visual_noise` is, in tables."""
 
 
-@lru_cache(maxsize=64)  # table, verdict and JSON use the same one
+@kept  # table, verdict and JSON use the same one
 def visual_noise_of(analysis: Analysis) -> float | None:
     """`visual_noise` of an analysis with its matrix; ``None`` where it is undefined. [CIELUV]
 
@@ -749,7 +750,7 @@ def total_errors(
     return TotalError(bias=bias, noise=np.sqrt(spread), total=np.sqrt(bias**2 + spread))
 
 
-@lru_cache(maxsize=64)
+@kept
 def total_error_of(analysis: Analysis) -> TotalError | None:
     """`total_errors` of an analysis, with its matrix and readout; ``None`` without a color.
 

@@ -25,6 +25,7 @@ from chromanoise.base import (
     check,
     dataclass,
     decibel,
+    kept,
     matrix_rank,
     with_short_repr,
 )
@@ -116,6 +117,7 @@ class _Chart:
         return cie1976_difference(balanced_cielab(self.truth), balanced_cielab(seen))
 
 
+@kept
 def _chart_of(point: OperatingPoint) -> _Chart:
     white_e = electrons_at(point)
     reflectance = chart_on(point.sensor.grid, point.chart).values.T
