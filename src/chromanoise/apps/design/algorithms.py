@@ -52,7 +52,7 @@ class Algorithm(Protocol):
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
         """The candidates of the next generation; none if there are no new ones."""
 
-    def tell(self, told: State, rng: np.random.Generator) -> None:
+    def tell(self, evaluated: State, rng: np.random.Generator) -> None:
         """Select from an evaluated generation: its ``values``, ``costs`` and ``misses``, by row.
 
         The first generation is not asked for.
@@ -174,9 +174,9 @@ class Genetic(_Population):
         score = np.where(score == 0, rng.choice([-1, 1], size=count), score)
         return np.where(score > 0, first, second)
 
-    def tell(self, told: State, rng: np.random.Generator) -> None:
+    def tell(self, evaluated: State, rng: np.random.Generator) -> None:
         """As `Algorithm.tell`."""
-        new = told | {"crowding": np.zeros(len(told["misses"]))}
+        new = evaluated | {"crowding": np.zeros(len(evaluated["misses"]))}
         if self._kept:
             new = {name: np.concatenate([self._kept[name], array]) for name, array in new.items()}
         feasible = np.flatnonzero(new["misses"] == 0)
@@ -370,16 +370,16 @@ class DifferentialEvolution(_Population):
         taken[here, rng.integers(0, count, size)] = True
         return problem.allowed(np.where(taken, mutant, values))
 
-    def tell(self, told: State, rng: np.random.Generator) -> None:
+    def tell(self, evaluated: State, rng: np.random.Generator) -> None:
         """As `Algorithm.tell`."""
-        old, self._kept = self._kept, told
+        old, self._kept = self._kept, evaluated
         if old:
-            lower = told["misses"] < old["misses"]
-            equal = told["misses"] == old["misses"]
-            wins = lower | equal & (told["costs"][:, 0] <= old["costs"][:, 0])
+            lower = evaluated["misses"] < old["misses"]
+            equal = evaluated["misses"] == old["misses"]
+            wins = lower | (equal & (evaluated["costs"][:, 0] <= old["costs"][:, 0]))
             self._kept = {
                 name: np.where(wins if array.ndim == 1 else wins[:, None], array, old[name])
-                for name, array in told.items()
+                for name, array in evaluated.items()
             }
 
 
@@ -414,16 +414,16 @@ class CovarianceMatrixAdaptation:
         self._candidates = self._strategy.ask()
         return _at_share(self._problem, np.clip(self._candidates, 0.0, 1.0))
 
-    def tell(self, told: State, rng: np.random.Generator) -> None:
+    def tell(self, evaluated: State, rng: np.random.Generator) -> None:
         """As `Algorithm.tell`."""
-        costs, misses = told["costs"][:, 0], told["misses"]
+        costs, misses = evaluated["costs"][:, 0], evaluated["misses"]
         if self._origin.size:
             feasible = misses == 0
             worst = costs[feasible].max() if feasible.any() else 0.0
             self._update(np.where(feasible, costs, worst + misses))
         else:
             best = np.lexsort((costs, misses))[0]
-            self._origin = share_of_ranges(self._problem, told["values"][best])
+            self._origin = share_of_ranges(self._problem, evaluated["values"][best])
 
     def _update(self, penalized: Float[Array, " m"]) -> None:
         if self._count == len(self._penalized):
