@@ -21,6 +21,7 @@ from chromanoise.base import (
     JsonKeys,
     check,
     dataclass,
+    diagonal,
     matrix_rank,
     pinv,
     svd,
@@ -365,7 +366,7 @@ def information_chain(
         noise = noise + distortion
         found.append(("clipping", information_bits(signal, noise)))
     step_e = noise_sources(sensor, exposure).step_e
-    noise = noise + _diagonal(step_e**2 / 12 * unclipped)
+    noise = noise + diagonal(step_e**2 / 12 * unclipped)
     found.append(("quantization", information_bits(signal, noise)))
     white_e = electrons_at(point)
     balance = np.diag(1.0 / np.where(white_e > 0, white_e, 1.0))
@@ -475,24 +476,20 @@ def _clipping(
     each = whole[..., None, :]
     u, r = _deviations(seen, share), _deviations(each * seen - reading, share)
     own = share @ np.maximum(each * variance * (1.0 - 2.0 * free) + spread * (variance > 0), 0.0)
-    x = _moment(u, u) + _diagonal(share @ variance)
+    x = _moment(u, u) + diagonal(share @ variance)
     scale = np.sqrt(np.diagonal(x, axis1=-2, axis2=-1))
     scale = np.where(scale > 0, scale, 1.0)
     size = scale[..., :, None] * scale[..., None, :]
     x = x / size
-    together = (_moment(r, u) + _diagonal(share @ (variance * (each - free)))) / size
+    together = (_moment(r, u) + diagonal(share @ (variance * (each - free)))) / size
     rest = together @ pinv("electrons of the prior", x, hermitian=True)
-    left = (_moment(r, r) + _diagonal(own)) / size - rest @ x @ np.swapaxes(rest, -1, -2)
-    gain = _diagonal(whole) - rest
+    left = (_moment(r, r) + diagonal(own)) / size - rest @ x @ np.swapaxes(rest, -1, -2)
+    gain = diagonal(whole) - rest
     total = np.diagonal(gain @ x @ np.swapaxes(gain, -1, -2) + left, axis1=-2, axis2=-1)
     varies = np.where(total > _CONSTANT, 1.0, 0.0)
     gain = (varies * scale)[..., :, None] * gain / scale[..., None, :]
     left = varies[..., :, None] * (left * size) * varies[..., None, :]
     return gain, left, varies * (share @ free)
-
-
-def _diagonal(values: Float[Array, "*levels p"]) -> Float[Array, "*levels p p"]:
-    return values[..., None] * np.eye(values.shape[-1])
 
 
 RAW, COLOR = "raw", "color"
