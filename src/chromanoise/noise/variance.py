@@ -124,7 +124,7 @@ def crosstalk_pattern(crosstalk: Crosstalk | None) -> CrosstalkPattern | None:
     away = None if crosstalk is None else crosstalk.deviations
     if crosstalk is None or crosstalk.places is None or away is None:
         return None
-    counted, shares = crosstalk.stage == "light", away.reshape(-1, away.shape[-1])
+    counted, shares = not crosstalk.is_after_counting, away.reshape(-1, away.shape[-1])
     if counted:
         unmixing = crosstalk.inverse
         if unmixing is None:
@@ -730,7 +730,7 @@ def after_counting(crosstalk: Crosstalk | None) -> Float[Array, "p p"] | None:
     crosstalk
         Crosstalk of the sensor; ``None`` without any.
     """
-    return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.matrix
+    return crosstalk.matrix if crosstalk is not None and crosstalk.is_after_counting else None
 
 
 def counted_electrons(

@@ -300,6 +300,11 @@ class Crosstalk:
         check.freeze(self, "kernel")
 
     @property
+    def is_after_counting(self) -> bool:
+        """Whether it mixes what the pixels counted, so that their readings are correlated."""
+        return self.stage != "light"
+
+    @property
     def inverse(self) -> Float[Array, "p p"] | None:
         """X^-1; ``None`` where X is singular. [1]"""
         singular = svd("crosstalk", self.matrix, compute_uv=False)
@@ -368,7 +373,7 @@ def shares_after_counting(crosstalk: Crosstalk | None) -> Float[Array, "ky kx"] 
     crosstalk
         Crosstalk of the sensor; ``None`` without any.
     """
-    return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.kernel
+    return crosstalk.kernel if crosstalk is not None and crosstalk.is_after_counting else None
 
 
 def crosstalk_of_share(share: float, mosaic: Mosaic, names: Sequence[str]) -> Crosstalk:
