@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, FrozenInstanceError, dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, Signature
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeVar
 from weakref import WeakKeyDictionary
 
 _Of = TypeVar("_Of")
@@ -34,23 +34,34 @@ if not TYPE_CHECKING:
         for name, method in shared.items():
             if vars(cls).get(name) is None:
                 setattr(cls, name, method)
-        cls._declared = _Declared()
+        cls._arguments = _LazyArguments()
         return cls
 
 
-class _Declared:
-    """What `_init` needs of a class, found when its first instance is made."""
+class _Arguments(NamedTuple):
+    """Of the constructor of a class, by name; and the fields that a comparison leaves out."""
 
-    def __get__(self, one: Any, cls: Any) -> tuple[Any, ...]:
+    names: set[str]
+    defaults: dict[str, Any]
+    factories: dict[str, Callable[[], Any]]
+    positional: list[str]
+    not_compared: set[str]
+
+
+class _LazyArguments:
+    """The arguments of a class, found when its first instance is made."""
+
+    def __get__(self, one: Any, cls: Any) -> _Arguments:
         known = [one for one in fields(cls) if one.init]
-        cls._declared = (
-            {one.name for one in known},
-            {one.name: one.default for one in known if one.default is not MISSING},
-            {one.name: made for one in known if (made := one.default_factory) is not MISSING},
-            [one.name for one in known if not one.kw_only],
-            {one.name for one in fields(cls) if not one.compare},
+        cls._arguments = found = _Arguments(
+            names={one.name for one in known},
+            defaults={one.name: one.default for one in known if one.default is not MISSING},
+            factories={
+                one.name: made for one in known if (made := one.default_factory) is not MISSING
+            },
+            positional=[one.name for one in known if not one.kw_only],
+            not_compared={one.name for one in fields(cls) if not one.compare},
         )
-        found: tuple[Any, ...] = cls._declared
         return found
 
 
@@ -81,12 +92,12 @@ def _shown_default(one: Any) -> Any:
 
 
 def _init(self: Any, *args: Any, **given: Any) -> None:
-    names, defaults, *_ = type(self)._declared
+    expected = type(self)._arguments
     if args:
         given = _with_positional(type(self), args, given)
-    if given.keys() != names:
-        given = defaults | given
-        if given.keys() != names:
+    if given.keys() != expected.names:
+        given = expected.defaults | given
+        if given.keys() != expected.names:
             given = _with_made(type(self), given)
     self.__dict__.update(given)
     if check := getattr(self, "__post_init__", None):
@@ -94,7 +105,7 @@ def _init(self: Any, *args: Any, **given: Any) -> None:
 
 
 def _with_positional(cls: Any, args: tuple[Any, ...], given: dict[str, Any]) -> dict[str, Any]:
-    _, _, _, positional, _ = cls._declared
+    positional = cls._arguments.positional
     if len(args) > len(positional):
         raise _wrong_arguments(cls, f"takes at most {len(positional)} positional arguments")
     found = dict(zip(positional, args, strict=False))
@@ -105,7 +116,7 @@ def _with_positional(cls: Any, args: tuple[Any, ...], given: dict[str, Any]) -> 
 
 def _with_made(cls: Any, given: dict[str, Any]) -> dict[str, Any]:
     """With the defaults that functions make; all others are there."""
-    names, _, factories, *_ = cls._declared
+    names, factories = cls._arguments.names, cls._arguments.factories
     if unknown := given.keys() - names:
         raise _wrong_arguments(cls, f"got an unexpected keyword argument {min(unknown)!r}")
     if missing := names - factories.keys() - given.keys():
@@ -123,7 +134,7 @@ def _repr(self: Any) -> str:
 
 
 def _compared(one: Any) -> dict[str, Any]:
-    left_out = type(one)._declared[-1]
+    left_out = type(one)._arguments.not_compared
     values: dict[str, Any] = one.__dict__
     return {k: v for k, v in values.items() if k not in left_out} if left_out else values
 
