@@ -321,7 +321,7 @@ def main() -> None:
     parser.add_argument("--limit-s", type=float, default=120.0, help="per mutant")
     parser.add_argument("--tests", type=Path, default=ROOT / "tests", help="folder of the tests")
     parser.add_argument("--again", type=Path, help="file of outcomes, of which to run survivors")
-    parser.add_argument("--json", type=Path, help="file for the outcomes")
+    parser.add_argument("--json", type=Path, help="file of the outcomes so far")
     given = parser.parse_args()
     near = test_files_near(given.tests.resolve())
     outcomes = []
@@ -341,10 +341,10 @@ def main() -> None:
             change = f"{mutant.old!r} -> {mutant.new!r}"
             print(f"{number} {result} {seconds:.0f} s {mutant.path}:{mutant.line} {change}")
             sys.stdout.flush()
+            if given.json is not None:
+                given.json.write_text(json.dumps(outcomes, indent=1) + "\n", encoding="utf-8")
     counts = Counter(one["outcome"] for one in outcomes)
     print(f"{counts['killed']} of {len(outcomes)} killed; {dict(counts)}")
-    if given.json is not None:
-        given.json.write_text(json.dumps(outcomes, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
