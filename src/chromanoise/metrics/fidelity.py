@@ -8,6 +8,7 @@ Disp. 5, 61 (1997).
 Edge sharpness uses the slanted edge of ISO 12233 (e-SFR): MTF and rise distance.
 """
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from math import inf, log10
@@ -483,9 +484,8 @@ def _reach(sd_px: float) -> int:
 
 def _along_pixels(at: Array, sd_px: float) -> Array:
     """A Gaussian over each of a row of pixels, from far left to far right."""
-    from scipy.special import ndtr
-
-    weights = np.diff(ndtr((np.append(at, at[-1] + 1) - 0.5) / sd_px))
+    edges = (np.append(at, at[-1] + 1) - 0.5) / sd_px
+    weights = np.diff([0.5 * math.erfc(-one) for one in edges / math.sqrt(2)])
     return np.asarray(weights / weights.sum())
 
 

@@ -197,13 +197,14 @@ def _weights(
 
 def _log_peak(count: Float[Array, " m"]) -> Float[Array, " m"]:
     """Logarithm of the Poisson probability of n at mean n, n^n e^-n / n!."""
-    from scipy.special import gammaln, xlogy
-
-    few = np.minimum(count, 32.0)
+    few = np.minimum(count, len(_LOG_PEAKS) - 1).astype(np.int64)
     many = np.maximum(count, 32.0)
     series = 1 / (12 * many) - 1 / (360 * many**3) + 1 / (1260 * many**5) - 1 / (1680 * many**7)
     stirling = -0.5 * np.log(2 * np.pi * many) - series
-    return np.where(count < 32, xlogy(few, few) - few - gammaln(few + 1), stirling)
+    return np.where(count < len(_LOG_PEAKS), _LOG_PEAKS[few], stirling)
+
+
+_LOG_PEAKS = np.array([n * math.log(max(n, 1)) - n - math.lgamma(n + 1) for n in range(32)])
 
 
 FARTHEST = 9.1

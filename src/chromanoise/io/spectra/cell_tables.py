@@ -241,8 +241,10 @@ def _with_row_of_units(heads: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
 
 def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:
     """The rows without the empty cells at the end that spreadsheets write."""
-    last = max((i for i, cell in enumerate(cells) if cell), default=-1)
-    return cells[: last + 1]
+    end = len(cells)
+    while end and not cells[end - 1]:
+        end -= 1
+    return cells[:end]
 
 
 def _is_sentence(row: Row, longest: int) -> bool:
@@ -478,8 +480,8 @@ def as_columns(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
     """
     for i, row in enumerate(rows):
         words = next((k for k, cell in enumerate(row.cells) if _wavelength(cell)), 0)
-        heads = [*map(_wavelength, row.cells[words:])]
-        if words and len(heads) >= _FEWEST_WAVELENGTHS and all(heads) and _rises(heads):
+        heads = [*map(_wavelength, row.cells[words:])] if words else []
+        if len(heads) >= _FEWEST_WAVELENGTHS and all(heads) and _rises(heads):
             below = [other for other in rows[i + 1 :] if any(other.cells)]
             if _are_spectra(row.cells[:words], heads, below):
                 return _turned(row, words, heads, below)

@@ -115,7 +115,8 @@ def _delimiter(lines: list[tuple[int, str]]) -> str:
     If no line is such a row, the first one or two cells of each line are ignored as words, and
     then all words of lines with two numbers or more.
     """
-    cells = {name: [split_line(line, name) for _, line in lines] for name in DELIMITERS}
+    parted = {name: [split_line(line, name) for _, line in lines] for name in DELIMITERS}
+    cells = {name: [row for row in rows if len(row) > 1] for name, rows in parted.items()}
 
     def rows_of_numbers(name: str, words: int) -> int:
         return sum(_is_row(row, words, decimal_comma=name != "comma") for row in cells[name])

@@ -7,7 +7,7 @@ versions of the schemas raise an error.
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import field
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -100,8 +100,7 @@ class Question:
     settings: tuple[Setting, ...]
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """The cells of one row, and its line in the file."""
 
     number: int
