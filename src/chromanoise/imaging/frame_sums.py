@@ -226,7 +226,8 @@ class PatternSums:
     def zeros(self, rows: int) -> Integer[Array, "rows w"]:
         """The next rows of the picture, in which the caller sums frames before `add`."""
         before = self._rows[len(self._rows) - self._border :]
-        self._rows = np.concatenate([before, np.zeros((rows, self._shape[1]), before.dtype)])
+        self._rows = np.zeros((self._border + rows, self._shape[1]), before.dtype)
+        self._rows[: self._border] = before
         return self._rows[self._border :]
 
     def add(self) -> None:

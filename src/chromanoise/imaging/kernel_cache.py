@@ -336,14 +336,15 @@ def stored_kernel(module: str, name: str) -> Callable[..., None]:
         Where the Python function is. It takes a pointer for each array and an int64 for each
         integer, allocates no memory and returns nothing.
     """
-    loaded: dict[str, Any] = {}
+    loaded: dict[tuple[np.dtype | None, ...], Any] = {}
 
     def call(*arguments: Any) -> None:
-        types = ", ".join(map(_type_of, arguments))
+        types = tuple([a.dtype if isinstance(a, np.ndarray) else None for a in arguments])
         if types not in loaded:
             with _LOCK:  # the engine takes a symbol once
                 if types not in loaded:
-                    loaded[types] = _function(module, name, f"void({types})")
+                    signature = f"void({', '.join(map(_type_of, types))})"
+                    loaded[types] = _function(module, name, signature)
         status = loaded[types](*_no_result(), *map(_as_c, arguments))
         assert status == 0, f"{name} returned {status}"
 
@@ -356,10 +357,9 @@ def _no_result() -> tuple[Any, Any]:
     return ctypes.byref(ctypes.c_void_p()), ctypes.byref(ctypes.c_void_p())
 
 
-def _type_of(argument: Any) -> str:
-    if not isinstance(argument, np.ndarray):
-        return "int64"
-    return f"CPointer({_KINDS[argument.dtype.kind]}{8 * argument.dtype.itemsize})"
+def _type_of(items: np.dtype | None) -> str:
+    """The type of an argument: an array of these items, or an integer."""
+    return "int64" if items is None else f"CPointer({_KINDS[items.kind]}{8 * items.itemsize})"
 
 
 def _as_c(argument: Any) -> Any:

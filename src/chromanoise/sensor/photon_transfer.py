@@ -182,7 +182,7 @@ def pixel_from_photon_transfer(fit: TransferFit) -> PixelSource:
 
 def _demand_three(source: str, levels: Levels, low: Array, saturation: float | None) -> None:
     at = levels.x[low] if levels.darks is None else np.append(levels.x[low], 0.0)
-    count = np.unique(at.round(9)).size
+    count = len(set(at.round(9).tolist()))
     if count < 3 and saturation is not None:
         raise InputError(
             source,

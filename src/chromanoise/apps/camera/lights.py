@@ -350,7 +350,7 @@ def clipped_share(light: LightSample) -> float:
 def _refuse_apart(group: Sequence[RawFrame], light: LightSample) -> None:
     for plane in light.planes:
         means = plane.frame_means_dn
-        low, high = int(np.argmin(means)), int(np.argmax(means))
+        low, high = means.index(min(means)), means.index(max(means))
         noise = 10 * math.sqrt(plane.mean_variance_dn2 * len(means))
         if means[high] - means[low] > max(_MOST_APART * abs(means[high]), noise):
             raise InputError(

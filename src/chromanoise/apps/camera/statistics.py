@@ -30,7 +30,7 @@ from chromanoise.imaging import (
 )
 from chromanoise.io.frames import RawFrame
 
-_BLOCK_PIXELS = 1 << 19
+_BLOCK_PIXELS = 1 << 20
 SURE_Z = 5.0
 """Standard errors beyond which a difference is no chance."""
 LEAST_CLIPPED = 1e-3
