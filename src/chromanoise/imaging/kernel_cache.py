@@ -95,24 +95,26 @@ def kernel_of(
     kind
         The data type for which the kernel is compiled, where it takes several.
     """
+    what = "-".join(filter(None, (name, kind)))
+    if what in _ready:
+        return _kernel_in(module, name)
     plain = getattr(import_module(f"{__package__}.plain"), name)
     seconds = values * (_VALUE_S + bands * _BAND_S)
     if find_spec("numba") is None:
         if seconds > _SMALL_S:
             _say_that_it_is_slow()
         return plain
-    what = "-".join(filter(None, (name, kind)))
     folder = kernel_folder(_PACKAGE)
     ready = folder and folder / f"compiled-{what}"
     spent = folder and folder / f"milliseconds-of-plain-{what}"
-    is_ready = what in _ready or (ready is not None and ready.exists())
+    is_ready = ready is not None and ready.exists()
     if is_ready:
         spent = None  # of this process alone
         is_worth_it = "numba" in sys.modules or _spent_s(None, what) + seconds > _STARTING_S
     else:
         is_worth_it = seconds > _SMALL_S or _spent_s(spent, what) + seconds > _COMPILING_S
     if is_worth_it:
-        kernel = getattr(import_module(f"{__package__}.{module}"), name)
+        kernel = _kernel_in(module, name)
 
         def compiling(*arguments: Any) -> Any:
             returned = kernel(*arguments)
@@ -133,6 +135,12 @@ def kernel_of(
         return returned
 
     return timed
+
+
+@cache
+def _kernel_in(module: str, name: str) -> Callable[..., Any]:
+    kernel: Callable[..., Any] = getattr(import_module(f"{__package__}.{module}"), name)
+    return kernel
 
 
 _VALUE_S, _BAND_S = 2e-7, 5e-9  # processor time of `plain`, measured

@@ -149,8 +149,10 @@ def light_of(
 def _padded(weights: Float[Array, "p m"]) -> Float32[Array, "q l"]:
     """The weights with zeros behind channels and bands, for the vectors of the kernels."""
     channels, bands = weights.shape
-    behind = ((0, -channels % CHANNELS_AT_ONCE), (0, -bands % PADDED_BANDS))
-    return np.pad(weights, behind).astype(np.float32, order="C")
+    shape = (channels + -channels % CHANNELS_AT_ONCE, bands + -bands % PADDED_BANDS)
+    padded = np.zeros(shape, np.float32)
+    padded[:channels, :bands] = weights
+    return padded
 
 
 def on_rows(

@@ -624,10 +624,8 @@ def _at_places(
 
 def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> Float[Array, " p"]:
     """Number of pixels of each channel in the image."""
-    rows, columns = tile.shape
-    whole = np.tile(tile, (-(-height // rows), 1))[:height]
-    counts = np.zeros(channels)
-    for column in range(columns):
-        pixels = len(range(column, width, columns))
-        counts += pixels * np.bincount(whole[:, column], minlength=channels)
-    return counts
+    rows, columns = (
+        [len(range(first, size, period)) for first in range(period)]
+        for size, period in zip((height, width), tile.shape, strict=True)
+    )
+    return np.bincount(tile.ravel(), np.outer(rows, columns).ravel(), minlength=channels)

@@ -219,7 +219,8 @@ def _block_bytes(source: RowSource, work: Work) -> int:
     if in_file and work.executor is None:
         return _BLOCK_BYTES
     whole = math.prod(source.shape) * source.dtype.itemsize
-    turns = (_TURNS_OF_EQUALS if work.same_machine else _TURNS) * threads_of(work)
+    are_equals = work.executor is None or work.same_machine
+    turns = (_TURNS_OF_EQUALS if are_equals else _TURNS) * threads_of(work)
     most = _BLOCK_BESIDE_BYTES if work.same_machine else _BLOCK_ELSEWHERE_BYTES
     most = most if in_file else _LARGE_BLOCK_BYTES
     return min(max(whole // turns, _BLOCK_BYTES), most)

@@ -198,9 +198,10 @@ def bands_within(cube: Cube, grid: Grid) -> Cube:
     """
     first = int(np.searchsorted(cube.wavelength_nm, grid.start_nm, side="right")) - 1
     last = int(np.searchsorted(cube.wavelength_nm, grid.stop_nm, side="left"))
-    keep = slice(max(first, 0), last + 1)
-    if cube.wavelength_nm[keep].size < 2:
-        return cube  # no overlap: the resampling raises the error
+    keep, bands = slice(max(first, 0), last + 1), cube.wavelength_nm.size
+    kept = len(range(*keep.indices(bands)))
+    if kept < 2 or kept == bands:  # no overlap: the resampling raises the error
+        return cube
     return replace(
         cube, wavelength_nm=cube.wavelength_nm[keep], stored=with_bands(cube.stored, keep)
     )
