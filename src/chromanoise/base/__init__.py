@@ -50,6 +50,7 @@ if TYPE_CHECKING:
         blas_kernel,
         cholesky,
         congruence,
+        congruence_of_many,
         covariance_root,
         det,
         diagonal,
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
         solve,
         svd,
         unit_columns,
+        variances_along,
         whitening,
     )
     from chromanoise.base.packages import is_absent, optional_package, refuse_absent_package

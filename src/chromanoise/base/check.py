@@ -189,8 +189,9 @@ def _demand(
     name: str, unit: str, values: Any, demand: str, holds: Callable[[Array], Array]
 ) -> Array:
     array = np.asarray(values, dtype=np.float64)
-    bad = ~holds(array)
-    if bad.any():
+    held = holds(array)
+    if np.count_nonzero(held) < held.size:
+        bad = ~held
         index = tuple(int(i) for i in np.argwhere(bad)[0])
         first = float(array[index])
         count = f"{int(bad.sum())} of {array.size} entries are not"

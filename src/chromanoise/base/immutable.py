@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import MISSING, FrozenInstanceError, dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, Signature
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
-_Of = TypeVar("_Of")
+_Given = ParamSpec("_Given")
 _Result = TypeVar("_Result")
 
 if not TYPE_CHECKING:
@@ -39,13 +39,13 @@ if not TYPE_CHECKING:
 
 
 class _Arguments(NamedTuple):
-    """Of the constructor of a class, by name; and the fields that a comparison leaves out."""
+    """Of the constructor of a class, by name; and the fields that are compared."""
 
     names: set[str]
     defaults: dict[str, Any]
     factories: dict[str, Callable[[], Any]]
     positional: list[str]
-    not_compared: set[str]
+    compared: list[str]
 
 
 class _LazyArguments:
@@ -60,7 +60,7 @@ class _LazyArguments:
                 one.name: made for one in known if (made := one.default_factory) is not MISSING
             },
             positional=[one.name for one in known if not one.kw_only],
-            not_compared={one.name for one in fields(cls) if not one.compare},
+            compared=[one.name for one in fields(cls) if one.compare],
         )
         return found
 
@@ -133,26 +133,26 @@ def _repr(self: Any) -> str:
     return f"{type(self).__qualname__}({', '.join(shown)})"
 
 
-def _compared(one: Any) -> dict[str, Any]:
-    left_out = type(one)._arguments.not_compared
+def _compared(one: Any) -> tuple[Any, ...]:
     values: dict[str, Any] = one.__dict__
-    return {k: v for k, v in values.items() if k not in left_out} if left_out else values
+    return tuple([values[name] for name in type(one)._arguments.compared])
 
 
 def _equal(self: Any, other: object) -> Any:
+    if self is other:
+        return True
     return _compared(self) == _compared(other) if type(self) is type(other) else NotImplemented
 
 
 def _hash(self: Any) -> int:
-    values = _compared(self)
-    return hash(tuple(values[one.name] for one in fields(self) if one.compare))
+    return hash(_compared(self))
 
 
 def _refuse(self: Any, name: str, *value: Any) -> NoReturn:
     raise FrozenInstanceError(f"cannot {'assign to' if value else 'delete'} field {name!r}")
 
 
-def kept(function: Callable[[_Of], _Result]) -> Callable[[_Of], _Result]:
+def kept(function: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
     """A decorator: what a function finds of an object is computed once, and goes with the object.
 
     For objects that are compared by identity. What is found must not hold the object, which would
@@ -161,14 +161,23 @@ def kept(function: Callable[[_Of], _Result]) -> Callable[[_Of], _Result]:
     Parameters
     ----------
     function
-        Of one object whose values never change.
+        Of one object whose values never change, and of others that are compared by value; all of
+        them without names. Of one object, what is found for the last 64 others is kept, or less.
     """
-    known: WeakKeyDictionary[_Of, _Result] = WeakKeyDictionary()
+    known: WeakKeyDictionary[Any, dict[tuple[Any, ...], _Result]] = WeakKeyDictionary()
 
     @wraps(function)
-    def found(of: _Of) -> _Result:
-        if of not in known:
-            known[of] = function(of)
-        return known[of]
+    def found(of: Any, /, *others: Any) -> _Result:
+        own = known.get(of)
+        if own is None:
+            own = known[of] = {}
+        if others not in own:
+            if len(own) >= _MOST_KEPT:
+                own.clear()
+            own[others] = function(of, *others)  # type: ignore[call-arg]
+        return own[others]
 
-    return found
+    return found  # type: ignore[return-value]
+
+
+_MOST_KEPT = 64

@@ -150,12 +150,16 @@ class NoiseAwareFamily:
         factors
             Each light over that of this family. [1]
         """
-        seen, brighter = self._seen, [copy(self) for _ in factors]
-        given = (seen.electrons, seen.share, self._sensor, self._exposure)
-        noise_e2 = mean_noise_covariance(*given, light=factors) / factors[:, None, None] ** 2
-        for one, own_e2, factor in zip(brighter, noise_e2, factors, strict=True):
-            one._noise_e2 = self._noise_e2 if factor == 1 else own_e2
-        return self._solved(brighter)
+        seen, found = self._seen, [copy(self) for _ in factors]
+        others = np.flatnonzero(factors != 1)
+        if others.size:
+            given = (seen.electrons, seen.share, self._sensor, self._exposure)
+            light = factors[others]
+            noise_e2 = mean_noise_covariance(*given, light=light) / light[:, None, None] ** 2
+            for k, own_e2 in zip(others, noise_e2, strict=True):
+                found[k]._noise_e2 = own_e2
+            self._solved([found[k] for k in others])
+        return found
 
     @staticmethod
     def with_channels(

@@ -137,7 +137,6 @@ def kernel_of(
     return timed
 
 
-@cache
 def _kernel_in(module: str, name: str) -> Callable[..., Any]:
     kernel: Callable[..., Any] = getattr(import_module(f"{__package__}.{module}"), name)
     return kernel

@@ -5,7 +5,6 @@ The report on a matrix has color error, noise, condition, noise gain Psi and nea
 """
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from chromanoise.base import (
     check,
     dataclass,
     frozen,
+    kept,
     lstsq,
     solve,
     svd,
@@ -59,7 +59,6 @@ from chromanoise.spectra import (
 from chromanoise.spectra.tables import packaged_table
 
 
-@lru_cache(maxsize=64)  # reused for all levels of a sweep
 def chart_color_error(
     sensor: Sensor,
     matrix: ColorMatrix,
@@ -91,7 +90,7 @@ def chart_color_error(
     CIE 015:2018, eq. 8.3-8.6 and 8.21.
     """
     lab = chart_lab(sensor, matrix, exposure, illuminant, chart)
-    return None if lab is None else frozen(cie1976_difference(*lab))
+    return None if lab is None else cie1976_difference(*lab)
 
 
 def chart_ciede2000(
@@ -138,12 +137,23 @@ def chart_lab(
     chart
         Reflectances of the patches; those of the ColorChecker if ``None``.
     """
+    return _chart_lab(sensor, matrix, exposure, illuminant, chart)
+
+
+@kept  # the same at all levels of a sweep
+def _chart_lab(
+    sensor: Sensor,
+    matrix: ColorMatrix,
+    exposure: Exposure,
+    illuminant: Illuminant,
+    chart: Spectra | None,
+) -> tuple[Float[Array, "k 3"], Float[Array, "k 3"]] | None:
     scene = _white_and_chart(illuminant, chart)
     seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
     if not (seen[0] > 0).all():
         return None
-    truth = _balanced_truth(scene, matrix.observer)
-    return balanced_cielab(truth), balanced_cielab(seen[1:] / seen[0])
+    truth = balanced_cielab(_balanced_truth(illuminant, matrix.observer, chart))
+    return frozen(truth), frozen(balanced_cielab(seen[1:] / seen[0]))
 
 
 def mean_chart_errors(
@@ -205,7 +215,7 @@ def balanced_charts(
     seen = expected_electrons(scene, sensor, exposure) @ np.swapaxes(matrices, -1, -2)
     known = (seen[:, 0] > 0).all(axis=-1)
     white = np.where(known[:, None], seen[:, 0], np.nan)
-    return _balanced_truth(scene, observer), seen[:, 1:] / white[:, None]
+    return _balanced_truth(illuminant, observer, chart), seen[:, 1:] / white[:, None]
 
 
 def balanced_truth(point: OperatingPoint) -> Float[Array, "c 3"]:
@@ -216,12 +226,15 @@ def balanced_truth(point: OperatingPoint) -> Float[Array, "c 3"]:
     point
         Its light, chart and observer.
     """
-    return _balanced_truth(_white_and_chart(point.illuminant, point.chart), point.observer)
+    return _balanced_truth(point.illuminant, point.observer, point.chart)
 
 
-def _balanced_truth(scene: Scene, observer: str) -> Float[Array, "c 3"]:
-    truth = scene_xyz(scene, "energy", observer)
-    return np.asarray(truth[1:] / truth[0])
+@kept
+def _balanced_truth(
+    illuminant: Illuminant, observer: str, chart: Spectra | None
+) -> Float[Array, "c 3"]:
+    truth = scene_xyz(_white_and_chart(illuminant, chart), "energy", observer)
+    return frozen(truth[1:] / truth[0])
 
 
 def _white_and_chart(illuminant: Illuminant, chart: Spectra | None) -> Scene:

@@ -14,10 +14,11 @@ from chromanoise.base import (
     Float,
     InputError,
     check,
-    congruence,
+    congruence_of_many,
     dataclass,
     inv,
     matrix_rank,
+    variances_along,
 )
 
 
@@ -245,7 +246,7 @@ def visual_noise_of_white(
         covariance, pixels_per_degree=pixels_per_degree, model=model, samples=samples
     )
     jacobian = check.finite("luv_from_xyz", "1", luv_from_xyz)
-    variance = np.diagonal(congruence(jacobian, viewed))
+    variance = variances_along(jacobian, viewed)
     return _weighted(np.sqrt(np.maximum(variance, 0.0)), model)
 
 
@@ -270,10 +271,16 @@ def viewed_covariance(
     InputError
         If an entry is not finite.
     """
-    opponent = np.asarray(model.opponent_from_xyz)
-    in_pixel = congruence(opponent, check.finite("covariance", "1", covariance))
+    to_opponent, from_opponent = _opponent(model)
+    in_pixel = congruence_of_many(to_opponent, check.finite("covariance", "1", covariance))
     shares = _shares_of_white(pixels_per_degree, model, samples)
-    return congruence(inv("opponent_from_xyz", opponent), in_pixel * shares)
+    return congruence_of_many(from_opponent, in_pixel * shares)
+
+
+@lru_cache(maxsize=32)
+def _opponent(model: VisualNoiseModel) -> tuple[Float[Array, "3 3"], Float[Array, "3 3"]]:
+    to_opponent = np.asarray(model.opponent_from_xyz)
+    return to_opponent, inv("opponent_from_xyz", to_opponent)
 
 
 @lru_cache(maxsize=32)

@@ -127,6 +127,8 @@ def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> F
         [e- per unit of L]
     """
     k = exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
+    if metric == "quanta":
+        return k * sensor.qe
     return k * sensor.qe * photons_per_unit(sensor.grid, metric)[:, None]
 
 

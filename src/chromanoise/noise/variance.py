@@ -15,7 +15,7 @@ are all variances here.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -32,6 +32,7 @@ from chromanoise.base import (
     dataclass,
     diagonal,
     inv,
+    kept,
 )
 from chromanoise.noise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
@@ -215,7 +216,7 @@ class NoiseSources(PixelReading):
         floor = self.read_out_e2
         return floor if kind == "temporal" else floor + self.pattern_e2(counted_e)
 
-    @property
+    @cached_property
     def read_out_e2(self) -> float:
         """Variance that the readout adds, after any crosstalk. [e-^2]"""
         return self.coefficient("floor_e2", READ_OUT)
@@ -228,7 +229,7 @@ class NoiseSources(PixelReading):
         kind
             Total noise of a reading, or temporal noise only.
         """
-        return self.coefficient("floor_e2", ALL, FIXED if kind == "temporal" else ())
+        return float(self.law(kind).floor_e2)
 
     def variance_e2(
         self, mean_e: Float[Array, "*px p"], kind: NoiseKind = "total"
@@ -255,7 +256,7 @@ class NoiseSources(PixelReading):
 
     def _fixed_e2(self, mean: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
         """Variance of the fixed patterns that grow with the light: PRNU and crosstalk. [e-^2]"""
-        square = self.coefficient("square", ALL)
+        square = self.law().square
         own = square * mean**2 if square else 0.0
         if self.pattern is None:
             return own
@@ -270,13 +271,19 @@ class NoiseSources(PixelReading):
         kind
             All noise, what changes from frame to frame, or what is the same in every frame.
         """
-        ways = FIXED if kind == "spatial" else ALL
-        but = FIXED if kind == "temporal" else ()
-        return VarianceLaw(
-            floor_e2=self.coefficient("floor_e2", ways, but),
-            slope_e=self.coefficient("slope_e", ways, but),
-            square=self.coefficient("square", ways, but),
-        )
+        if kind not in self._laws:
+            ways = FIXED if kind == "spatial" else ALL
+            but = FIXED if kind == "temporal" else ()
+            self._laws[kind] = VarianceLaw(
+                floor_e2=self.coefficient("floor_e2", ways, but),
+                slope_e=self.coefficient("slope_e", ways, but),
+                square=self.coefficient("square", ways, but),
+            )
+        return self._laws[kind]
+
+    @cached_property
+    def _laws(self) -> dict[str, VarianceLaw]:
+        return {}
 
     def added_variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
         """The variance that does not come from counting: all but shot noise and dark electrons.
@@ -419,10 +426,10 @@ class NoiseSources(PixelReading):
         of_one = np.zeros(2 * n + 1)
         of_one[[0, 1, -1]] = 1 - share, share / 2, share / 2
         shares = np.fft.fftshift(np.fft.irfft(np.fft.rfft(of_one) ** n, of_one.size))
-        kept = np.flatnonzero(shares > _LEAST_SHARE)
-        if kept.size > _MOST_LEVELS:
+        likely = np.flatnonzero(shares > _LEAST_SHARE)
+        if likely.size > _MOST_LEVELS:
             return ((1.0, 0.0),)
-        return tuple(zip(shares[kept].tolist(), (away_e * (kept - n)).tolist(), strict=True))
+        return tuple(zip(shares[likely].tolist(), (away_e * (likely - n)).tolist(), strict=True))
 
     @property
     def without_levels(self) -> "NoiseSources":
@@ -544,6 +551,11 @@ def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSour
     InputError
         If the pixel has a dark current and no exposure is given.
     """
+    return _noise_sources(sensor, exposure)
+
+
+@kept
+def _noise_sources(sensor: Sensor, exposure: Exposure | None) -> NoiseSources:
     pixel = sensor.pixel
     if exposure is None and pixel.dark_current_e_per_s:
         raise InputError(

@@ -22,6 +22,7 @@ from chromanoise.base import (
     Setting,
     check,
     dataclass,
+    kept,
     photons_per_joule,
     with_short_repr,
 )
@@ -83,6 +84,7 @@ class Illuminant:
         check.keep(self, irradiance=checked)
 
 
+@kept
 def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
     """The i(lambda) of eq. 1: photon irradiance at one lux. [photons s-1 um-2 nm-1 lx-1]
 
@@ -93,7 +95,7 @@ def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
     11419
     """
     per_joule = photons_per_joule(illuminant.grid.wavelength_nm)
-    return illuminant.irradiance * per_joule / UM2_PER_M2
+    return check.frozen(illuminant.irradiance * per_joule / UM2_PER_M2)
 
 
 def equal_energy(grid: Grid) -> Illuminant:

@@ -83,6 +83,8 @@ def light(scene: Scene, metric: Metric) -> Float[Array, "*px n"]:
         Whether spectra are expressed in photons (``quanta``) or in ``energy``.
     """
     photons = scene.level_lux * photon_irradiance(scene.illuminant) * scene.reflectance
+    if metric == "quanta":
+        return photons
     return photons / photons_per_unit(scene.illuminant.grid, metric)
 
 

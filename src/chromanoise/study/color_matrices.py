@@ -15,6 +15,7 @@ from chromanoise.base import (
     check,
     dataclass,
     inv,
+    kept,
     matrix_rank,
     pinv,
 )
@@ -234,7 +235,7 @@ class MatrixMaker:
         if self.method.over_light is None:
             make = self.method.make
             parameters = self._parameters(operating_point)
-            return _of_any_light(make, sensor, exposure, training, self.metric, parameters)
+            return _of_any_light(sensor, make, exposure, training, self.metric, parameters)
         return self.method.make(
             sensor,
             exposure,
@@ -554,10 +555,10 @@ def _method(name: str) -> MatrixMethod:
     return METHODS[check.one_of("matrix", word, tuple(METHODS))]
 
 
-@lru_cache(maxsize=64)
+@kept
 def _of_any_light(
-    make: Callable[..., ColorMatrix],
     sensor: Sensor,
+    make: Callable[..., ColorMatrix],
     exposure: Exposure,
     training: Training | None,
     metric: Metric,

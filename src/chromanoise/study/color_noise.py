@@ -26,6 +26,7 @@ from chromanoise.base import (
     defined,
     inv,
     kept,
+    variances_along,
     with_short_repr,
 )
 from chromanoise.color import (
@@ -168,10 +169,8 @@ def noise_as_viewed(
         samples=PLANE,
     )
     to_luv = _of_gray(LUV)
-    variance, terms = (
-        np.einsum("ia,...ab,ib->...i", slopes, covariance, slopes)
-        for slopes, covariance in ((to_luv, viewed), (np.abs(to_luv), np.abs(viewed)))
-    )
+    variance = variances_along(to_luv, viewed)
+    terms = variances_along(np.abs(to_luv), np.abs(viewed))
     # a difference within rounding is none: its root would be a hundred million times as large
     variance = np.where(variance > _ROUNDING * terms, variance, 0.0)
     noise = np.sqrt(variance) @ ISO_15739_2017.weights

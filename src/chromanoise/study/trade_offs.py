@@ -8,7 +8,7 @@ the color errors are equal: at the least error that all sensors reach.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import combinations, groupby
 from typing import Any, ClassVar, Literal, NamedTuple
 
@@ -94,13 +94,16 @@ class _Chart:
         Electrons of the white. [e-]
     patches
         Electrons of the patches over those of the white. [1]
+    patches_e2
+        Covariance of the electrons of each patch. [e-^2]
     """
 
     truth: Float[Array, "k 3"]
     white_e: Float[Array, " p"]
     patches: Float[Array, "k p"]
+    patches_e2: Float[Array, "k p p"]
 
-    @property
+    @cached_property
     def colorless_error(self) -> float:
         """Color error of a gray picture of the right lightness, without noise. [Delta E*ab]"""
         return float(np.linalg.norm(balanced_cielab(self.truth)[:, 1:], axis=-1).mean())
@@ -126,6 +129,7 @@ def _chart_of(point: OperatingPoint) -> _Chart:
         truth=balanced_truth(point),
         white_e=white_e,
         patches=patches_e / np.where(white_e > 0, white_e, 1.0),
+        patches_e2=with_noise(patches_e, point.sensor, point.exposure).covariance,
     )
 
 
@@ -613,9 +617,10 @@ def _along_light(
     noise_lux = np.sqrt(((row @ in_e2) * row).sum(axis=(-1, -2)))
     snr_y_db = decibel((row[:, 0] * white_e[able][at]).sum(axis=-1) / noise_lux)
     for k, mine in enumerate(weights):
-        own = place == k
+        own, level_lux = place == k, levels_lux[able[k]]
+        same = level_lux == point.level_lux
         found[able[k]] = TradeOff(
-            point=replace(point, level_lux=levels_lux[able[k]]),
+            point=point if same else replace(point, level_lux=level_lux),
             viewing=viewing,
             weights=np.concatenate(mine),
             family=np.repeat(np.arange(len(mine)), [one.size for one in mine]),
@@ -655,14 +660,13 @@ def total_error_as_viewed(
     """
     chart = _chart_of(point)
     seen = chart.seen(matrices)
-    in_e2 = with_noise(chart.patches * chart.white_e, point.sensor, point.exposure).covariance
     known = np.isfinite(seen).all(axis=(-1, -2))
     white = np.where(known[:, None], matrices @ chart.white_e, 1.0)
     balanced = (matrices / white[..., None])[:, None]
-    in_pixel = balanced @ in_e2 @ np.swapaxes(balanced, -1, -2)
+    in_pixel = balanced @ chart.patches_e2 @ np.swapaxes(balanced, -1, -2)
     viewed = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
     to_lab = LAB.jacobian(np.where(known[:, None, None], seen, 1.0), np.ones(3))
-    spread = np.einsum("qkia,qkab,qkib->qk", to_lab, viewed, to_lab)
+    spread = ((to_lab @ viewed) * to_lab).sum(axis=(-1, -2))
     return np.asarray(np.sqrt(chart.errors(seen) ** 2 + spread).mean(axis=-1))
 
 

@@ -118,6 +118,10 @@ def _delimiter(lines: list[tuple[int, str]]) -> str:
     parted = {name: [split_line(line, name) for _, line in lines] for name in DELIMITERS}
     cells = {name: [row for row in rows if len(row) > 1] for name, rows in parted.items()}
 
+    apart = [name for name, rows in cells.items() if rows]
+    if len(apart) == 1:
+        return apart[0]
+
     def rows_of_numbers(name: str, words: int) -> int:
         return sum(_is_row(row, words, decimal_comma=name != "comma") for row in cells[name])
 
