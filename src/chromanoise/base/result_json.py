@@ -162,6 +162,7 @@ def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
     quoted = encode_basestring_ascii if ensure_ascii else encode_basestring
     of_kind: dict[type, Callable[[Any], str]]
     of_kind = {str: quoted, int: repr, type(None): lambda _: "null"}
+    of_kind[float] = lambda number: repr(number) if math.isfinite(number) else encode(number)
 
     def text(value: Any, pad: str) -> str:
         if type(value) in of_kind:  # most values, in less time than `encode`

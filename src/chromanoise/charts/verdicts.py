@@ -210,8 +210,8 @@ def _at_equal_color(found: EqualColor, able: Collection[str]) -> list[Told]:
     if not found.standings:
         return [Told("lost", "No two sensors can be compared at equal color error."), *left_out]
     best, *others = found.standings
-    tied = [one for one in others if one in found.tied]
-    behind = [one for one in others if one not in tied]
+    tied = found.tied[1:]
+    behind = others[len(tied) :]
     lost = [Told("lost", text) for text in _lost(found)]
     first = Told("winner", _first(found, tied, behind))
     why = [Told("why", text) for text in _whys(best, behind)]
