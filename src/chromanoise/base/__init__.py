@@ -35,7 +35,15 @@ if TYPE_CHECKING:
         write_whole,
     )
     from chromanoise.base.immutable import dataclass, kept
-    from chromanoise.base.inputs import content_hash, json_file, json_of, regular_file, true_path
+    from chromanoise.base.inputs import (
+        content_hash,
+        first_bytes,
+        json_file,
+        json_of,
+        regular_file,
+        system_errors_of,
+        true_path,
+    )
     from chromanoise.base.lazy import (
         MovedPackages,
         from_above,

@@ -11,7 +11,8 @@ import re
 import stat
 import sys
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +68,35 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
     raise InputError(str(path), "must be a regular file", value=kind, found=f"is {kind}")
 
 
+@contextmanager
+def system_errors_of(path: Path | str) -> Iterator[None]:
+    """An error of the system while a file is read becomes an `InputError` that names the file."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+
+
+def first_bytes(path: Path, count: int, *, pipe: bool = False) -> bytes:
+    """The first bytes of a file, or all if there are fewer.
+
+    Parameters
+    ----------
+    path, pipe
+        As `regular_file`.
+    count
+        How many.
+
+    Raises
+    ------
+    InputError
+        As `regular_file`, or if the file cannot be read.
+    """
+    regular_file(path, pipe=pipe)
+    with system_errors_of(path), path.open("rb") as file:
+        return file.read(count)
+
+
 def true_path(path: Path) -> Path:
     """The absolute path with links followed; links in a loop stay as they are.
 
@@ -90,12 +120,7 @@ def json_file(path: Path, *, most_bytes: int, any_number: bool = False) -> Any:
     InputError
         If it is not a regular file, is too large, or as `json_of`.
     """
-    regular_file(path)
-    try:
-        with path.open("rb") as file:
-            content = file.read(most_bytes + 1)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+    content = first_bytes(path, most_bytes + 1)
     if len(content) > most_bytes:
         raise InputError(
             str(path),

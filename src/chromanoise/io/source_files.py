@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from chromanoise.base import InputError, Remedy, Setting, regular_file
+from chromanoise.base import InputError, Remedy, Setting, first_bytes
 
 
 def refused(
@@ -87,12 +87,7 @@ def small_text(path: Path, most_bytes: int, need: str, remedy: str = "") -> str:
     InputError
         If the file cannot be read, is too large, or is not text.
     """
-    regular_file(path)
-    try:
-        with path.open("rb") as file:
-            content = file.read(most_bytes + 1)
-    except OSError as error:
-        raise refused(path, f"cannot be read ({error.strerror})") from None
+    content = first_bytes(path, most_bytes + 1)
     if len(content) > most_bytes:
         raise refused(path, need, found="is larger")
     try:

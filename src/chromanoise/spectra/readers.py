@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise.base import InputError, regular_file, text_of_cell
+from chromanoise.base import InputError, regular_file, system_errors_of, text_of_cell
 from chromanoise.spectra.curves import Spectra
 
 _LARGEST_BYTES = 64 * 2**20
@@ -46,12 +46,11 @@ def small_text(path: Path, largest_bytes: int, *, what: str = "", form: str = "U
         need = f"must be at most {largest_bytes // 2**20} MiB{what}"
         raise InputError(str(path), need, value=size, found=f"is {size / 2**20:.1f} MiB")
     try:
-        return path.read_text(encoding="utf-8-sig")
+        with system_errors_of(path):
+            return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         where, remedy = f"byte {error.start}", f"save it as {form}"
         raise InputError(str(path), "is not UTF-8 text", where=where, remedy=remedy) from None
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
 
 
 def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Spectra:

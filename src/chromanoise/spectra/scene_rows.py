@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, Protocol, runtime_checkable
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Integer, Shaped, UInt8, dataclass, reason
+from chromanoise.base import Array, InputError, Integer, Shaped, UInt8, dataclass, system_errors_of
 
 _MOST_UNUSED = 4  # times the bytes wanted; above, unused bytes are not kept in memory
 
@@ -250,11 +250,8 @@ def _memory(into: Array | None, size: int) -> UInt8[Array, " bytes"]:
 @contextmanager
 def _opened(path: Path) -> Iterator[BinaryIO]:
     """The file; an error of opening or reading is an `InputError`."""
-    try:
-        with path.open("rb", buffering=0) as file:
-            yield file
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
+    with system_errors_of(path), path.open("rb", buffering=0) as file:
+        yield file
 
 
 def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:

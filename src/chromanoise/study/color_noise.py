@@ -82,11 +82,7 @@ from chromanoise.study.analysis import (
     of_white,
     stages_at,
 )
-from chromanoise.study.color_matrices import (
-    DEFAULT_PRIOR,
-    refuse_unknown_prior,
-    training_named,
-)
+from chromanoise.study.color_matrices import DEFAULT_PRIOR, refuse_unknown_prior, training_named
 
 GRAY = 0.18
 """Reflectance of the gray card."""

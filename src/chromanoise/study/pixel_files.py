@@ -5,7 +5,7 @@ from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any
 
-from chromanoise.base import InputError, Setting, from_above, json_of, regular_file
+from chromanoise.base import InputError, Setting, first_bytes, from_above, json_of
 from chromanoise.io import read_curves, sensor_from_json
 from chromanoise.io.pixels import (
     errors_in_file,
@@ -88,12 +88,7 @@ def own_sensor_of(path: Path) -> Sensor | None:
     InputError
         If the file has that schema but another version, or is invalid.
     """
-    regular_file(path)
-    try:
-        with path.open("rb") as file:
-            head = file.read(_HEAD_BYTES).lstrip(_BEFORE_JSON)
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+    head = first_bytes(path, _HEAD_BYTES).lstrip(_BEFORE_JSON)
     if not head.startswith(b"{") or b'"chromanoise sensor"' not in head:
         return None
     return sensor_from_json(source_text(path), source=str(path))

@@ -19,9 +19,9 @@ from chromanoise.base import (
     Setting,
     distinct,
     dotted,
+    first_bytes,
     known_name,
     refusal,
-    regular_file,
     short,
 )
 from chromanoise.noise import OperatingPoint
@@ -163,17 +163,13 @@ def document_text(path: Path, kind: str) -> str:
     InputError
         If the file cannot be read, is too large, or is no text.
     """
-    regular_file(path, pipe=True)
+    content = first_bytes(path, _LARGEST_BYTES + 1, pipe=True)
     try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST_BYTES + 1)
         text = content.decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(
             str(path), "is not a UTF-8 text file", remedy=f"save the {kind} as UTF-8"
         ) from None
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
     if len(content) > _LARGEST_BYTES:
         raise InputError(
             str(path), f"must have at most {_LARGEST_BYTES} bytes, as a {kind}", found="has more"

@@ -16,7 +16,7 @@ from typing import Any, Literal, get_args, overload
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, check, did_you_mean, known_name, regular_file
+from chromanoise.base import Array, InputError, check, did_you_mean, first_bytes, known_name
 from chromanoise.io import library_files, read_curves, read_sensor
 from chromanoise.io.spectra import (
     ASK,
@@ -947,13 +947,7 @@ def _patch(name: str, where: str, answers: Answers) -> Spectra:
 
 def _listed(word: str) -> list[tuple[int, list[str]]] | None:
     """The lines of a list of pairs with their numbers; ``None`` for a file of reflectances."""
-    path = file_of(word)
-    regular_file(path)
-    try:
-        with path.open("rb") as file:
-            start = file.read(_MOST_BYTES + 1)
-    except OSError as error:
-        raise InputError(word, f"cannot be read ({check.reason(error)})") from None
+    start = first_bytes(file_of(word), _MOST_BYTES + 1)
     text = start.decode("utf-8-sig", errors="replace")
     reader = csv.reader(io.StringIO(text, newline=None))
     rows: list[tuple[int, list[str]]] = []

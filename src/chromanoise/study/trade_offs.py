@@ -37,12 +37,7 @@ from chromanoise.color import (
     cie1976_difference,
 )
 from chromanoise.metrics import balanced_truth, optimal_linear_snr_db, viewed_covariance
-from chromanoise.noise import (
-    OperatingPoint,
-    coarsely_converted,
-    saturated,
-    with_noise,
-)
+from chromanoise.noise import OperatingPoint, coarsely_converted, saturated, with_noise
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named

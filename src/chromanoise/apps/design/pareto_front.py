@@ -29,8 +29,8 @@ from chromanoise.base import (
     check,
     dataclass,
     dotted,
+    first_bytes,
     json_text,
-    regular_file,
 )
 from chromanoise.io.spectra import QE_FACTS, SCHEMA_VERSION, held_json, spectra_csv
 from chromanoise.sensor import Pixel
@@ -843,15 +843,11 @@ def read_front(path: Path | str) -> FrontFile:
         If the file cannot be read, or is no front.
     """
     path = Path(path)
-    regular_file(path)
+    content = first_bytes(path, _LARGEST_BYTES + 1)
     try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST_BYTES + 1)
         text = content.decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(str(path), "is not a UTF-8 text file") from None
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
     if len(content) > _LARGEST_BYTES:
         limit = f"must have at most {_LARGEST_BYTES / 1e6:g} MB, as a front"
         raise InputError(str(path), limit, found="has more")

@@ -52,6 +52,7 @@ from chromanoise.base import (
     dataclass,
     json_of,
     regular_file,
+    system_errors_of,
     write_kept,
 )
 from chromanoise.imaging import client_of
@@ -194,10 +195,8 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
     """
     if regular_file(path).st_size > _MOST_BYTES:
         raise _damaged(path, f"has more than {_MOST_BYTES >> 20} MiB")
-    try:
+    with system_errors_of(path):
         archive_bytes = _unsealed(path.read_bytes())
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
     if archive_bytes is None:
         raise _damaged(path, "was changed or truncated, as its content hash shows")
     try:

@@ -16,7 +16,15 @@ from typing import IO, Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Shaped, dataclass, reason, regular_file
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Shaped,
+    dataclass,
+    regular_file,
+    system_errors_of,
+)
 from chromanoise.io.cubes.cube_metadata import interpreted
 from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS, hdf5_store, is_hdf5
 from chromanoise.io.cubes.labeled import Store, array_store, labeled_cube
@@ -151,14 +159,12 @@ def envi_cube(path: Path, shape: tuple[int, int] | None) -> Found | None:
     InputError
         If the header or the numbers are damaged.
     """
-    try:
+    with system_errors_of(path):
         pair = envi_pair(path)
         if pair is None:
             return None
         header = read_envi_header(pair[0])
         pixels, notes = envi_pixels(header, pair[1])
-    except OSError as error:
-        raise refused(path, f"cannot be read ({reason(error)})") from None
     refuse_other_shape(path, pixels, shape)
     return Found(
         pixels=pixels,
@@ -362,10 +368,8 @@ def _refuse_no_file(path: Path) -> None:
         return
     if status.st_size == 0:
         raise refused(path, "must not be empty", 0, "has 0 bytes", remedy="copy or save it again")
-    try:
+    with system_errors_of(path):
         path.open("rb").close()
-    except OSError as error:
-        raise refused(path, f"cannot be read ({reason(error)})") from None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

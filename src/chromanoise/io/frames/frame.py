@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Integer, Shaped, dataclass
+from chromanoise.base import Array, InputError, Integer, Shaped, dataclass, system_errors_of
 from chromanoise.io.source_files import by, has, refused
 from chromanoise.sensor import Mosaic
 
@@ -104,15 +104,12 @@ class StoredPlane:
     @contextmanager
     def _opened(self) -> Iterator[BinaryIO]:
         """The file at the first code."""
-        try:
-            with self.path.open("rb", buffering=0) as file:
-                size = os.fstat(file.fileno()).st_size
-                if size != self.size:
-                    raise self._of_other_size(size)
-                file.seek(self.offset)
-                yield file
-        except OSError as error:
-            raise refused(self.path, f"cannot be read ({error.strerror})") from None
+        with system_errors_of(self.path), self.path.open("rb", buffering=0) as file:
+            size = os.fstat(file.fileno()).st_size
+            if size != self.size:
+                raise self._of_other_size(size)
+            file.seek(self.offset)
+            yield file
 
     def _of_other_size(self, size: int) -> InputError:
         return has(self.path, f"must have {self.size} bytes, as when its header was read", size)

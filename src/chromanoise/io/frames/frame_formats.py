@@ -17,15 +17,18 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Integer, optional_package, printable, regular_file
+from chromanoise.base import (
+    Array,
+    InputError,
+    Integer,
+    optional_package,
+    printable,
+    regular_file,
+    system_errors_of,
+)
 from chromanoise.io.cubes.cube_files import npy_array, npy_header, npz_arrays
 from chromanoise.io.cubes.raw_cube import reading, reading_rows, refuse_impossible
-from chromanoise.io.frames.camera_raw import (
-    camera_name,
-    number_of_tag,
-    raw_frames,
-    tiff_frames,
-)
+from chromanoise.io.frames.camera_raw import camera_name, number_of_tag, raw_frames, tiff_frames
 from chromanoise.io.frames.frame import (
     RawFrame,
     StoredPlane,
@@ -467,10 +470,8 @@ def frames_in(path: Path | str) -> tuple[RawFrame, ...]:
         need = "must be a raw frame (DNG or camera raw, TIFF, FITS, NPY, NPZ, PGM, PNG)"
         found = f"ends in {ending}" if ending else "has no ending"
         raise refused(path, need, ending, found, remedy="save it as TIFF or NPY")
-    try:
+    with system_errors_of(path):
         return reader(path)
-    except OSError as error:
-        raise refused(path, f"cannot be read ({error.strerror or error})") from None
 
 
 def is_frame_name(path: Path) -> bool:

@@ -19,14 +19,7 @@ from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     with_units,
 )
-from chromanoise.io.spectra.parsed import (
-    LARGEST,
-    Column,
-    Found,
-    Row,
-    known_columns,
-    missing_notes,
-)
+from chromanoise.io.spectra.parsed import LARGEST, Column, Found, Row, known_columns, missing_notes
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _PLAIN = re.compile(r"\d{1,20}(\.\d{0,20})?", re.ASCII)
