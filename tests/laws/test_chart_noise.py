@@ -9,13 +9,7 @@ from chromanoise.base.rng import stream
 from chromanoise.color import kernel_matrix
 from chromanoise.noise import Exposure, expected_electrons, sample_electrons
 from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy, flat_field
-from chromanoise.study import (
-    analyzed,
-    chart_noise,
-    matrix_makers,
-    mean_color_error,
-    sensor_named,
-)
+from chromanoise.study import analyzed, chart_noise, matrix_makers, mean_color_error, sensor_named
 from strategies import point_of
 
 LAMP = equal_energy(DEFAULT_GRID)

@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 
 from chromanoise.base.rng import stream
-from chromanoise.imaging.denoising import (
-    DENOISING,
-    denoised_planes,
-    stabilized,
-    unstabilized,
-)
+from chromanoise.imaging.denoising import DENOISING, denoised_planes, stabilized, unstabilized
 from chromanoise.imaging.denoising.methods import BASELINES
 from noisy_planes import planes_with
 from outcomes import refused_input

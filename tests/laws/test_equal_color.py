@@ -17,13 +17,7 @@ from chromanoise.metrics import mean_chart_errors, scielab_filtered
 from chromanoise.metrics.visual_noise import visual_noise_of_picture
 from chromanoise.noise import Exposure
 from chromanoise.sensor import Converter, Pixel, with_channels
-from chromanoise.spectra import (
-    DEFAULT_GRID,
-    Grid,
-    Spectra,
-    cie_illuminant,
-    equal_energy,
-)
+from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, cie_illuminant, equal_energy
 from chromanoise.study import (
     HARDLY_SEEN_DELTA_E,
     Viewing,

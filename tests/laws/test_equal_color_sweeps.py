@@ -9,13 +9,7 @@ import chromanoise as cn
 from chromanoise.base import InputError
 from chromanoise.noise import Exposure
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.study import (
-    SWEEPS,
-    equal_color,
-    equal_color_ranges,
-    range_sentences,
-    sensor_named,
-)
+from chromanoise.study import SWEEPS, equal_color, equal_color_ranges, range_sentences, sensor_named
 from chromanoise.study.trade_offs import SATURATED
 from strategies import point_of
 

@@ -5,11 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from chromanoise.base.rng import stream
-from chromanoise.noise import (
-    clipped_at_well,
-    monte_carlo,
-    sample_electrons,
-)
+from chromanoise.noise import clipped_at_well, monte_carlo, sample_electrons
 from strategies import pixel_with
 
 means = st.lists(st.floats(1.0, 5e4), min_size=3, max_size=3).map(np.array)

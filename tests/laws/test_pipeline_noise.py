@@ -58,13 +58,7 @@ from chromanoise.spectra import (
     equal_energy,
     flat_field,
 )
-from chromanoise.study import (
-    PipelineSettings,
-    analyzed,
-    chart_noise,
-    pipeline_noise,
-    sensor_named,
-)
+from chromanoise.study import PipelineSettings, analyzed, chart_noise, pipeline_noise, sensor_named
 from dear import dear
 from outcomes import refused_input
 from strategies import raw_of

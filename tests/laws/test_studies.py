@@ -13,14 +13,7 @@ import pytest
 from hypothesis import find, given, reject, settings, strategies as st
 
 import chromanoise
-from chromanoise.base import (
-    DeclaredField,
-    InputError,
-    Property,
-    Record,
-    RecordError,
-    errors_in,
-)
+from chromanoise.base import DeclaredField, InputError, Property, Record, RecordError, errors_in
 from chromanoise.base.files import OWN_FILES
 from chromanoise.study import (
     STARTER,

@@ -11,11 +11,7 @@ from chromanoise.io.spectra import Answers
 from chromanoise.spectra import DEFAULT_GRID, photon_irradiance
 from chromanoise.study import provenance, study_from_text
 from chromanoise.study.catalog import KINDS, catalog_entries, catalog_file_of
-from chromanoise.study.resolve_names import (
-    resolve_illuminant,
-    resolve_sensor,
-    word_files,
-)
+from chromanoise.study.resolve_names import resolve_illuminant, resolve_sensor, word_files
 from outcomes import refused
 
 SECTION = """[{name}]

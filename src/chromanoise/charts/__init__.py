@@ -60,14 +60,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.charts.levels import at_level, level_curves
     from chromanoise.charts.machine_verdicts import machine_tables as machine_tables
-    from chromanoise.charts.numbers import (
-        NONE,
-        brief,
-        decimal,
-        electrons,
-        listed,
-        table,
-    )
+    from chromanoise.charts.numbers import NONE, brief, decimal, electrons, listed, table
     from chromanoise.charts.registry import (
         DRAWINGS as DRAWINGS,
         PARTS as PARTS,

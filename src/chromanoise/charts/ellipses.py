@@ -10,15 +10,7 @@ import numpy as np
 
 from chromanoise.base import Array, Bool, Float, check, dataclass, eigvalsh
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.description import (
-    Axis,
-    Chart,
-    Column,
-    Ellipses,
-    Panel,
-    Value,
-    column,
-)
+from chromanoise.charts.description import Axis, Chart, Column, Ellipses, Panel, Value, column
 from chromanoise.charts.numbers import decimal
 from chromanoise.color import (
     LAB,

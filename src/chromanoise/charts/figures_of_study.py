@@ -28,14 +28,7 @@ from chromanoise.charts.result_figures import draw_pareto
 from chromanoise.charts.sensitivities import sensitivities_chart
 from chromanoise.noise import conditions, light_and_exposure
 from chromanoise.sensor import Sensor
-from chromanoise.study import (
-    Crossover,
-    CrossoverLine,
-    Curve,
-    QuantityMap,
-    lead_changes,
-    leads,
-)
+from chromanoise.study import Crossover, CrossoverLine, Curve, QuantityMap, lead_changes, leads
 
 
 def draw_comparison(

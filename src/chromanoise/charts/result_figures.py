@@ -17,13 +17,7 @@ from chromanoise.charts.budget_chart import budget_of, coordinate_label, waterfa
 from chromanoise.charts.description import Chart, Value
 from chromanoise.charts.ellipses import ellipses_of
 from chromanoise.charts.figure_marks import draw_panel, draw_waterfalls
-from chromanoise.charts.figure_style import (
-    INK,
-    QUIET,
-    channel_color,
-    sensor_label,
-    write_beside,
-)
+from chromanoise.charts.figure_style import INK, QUIET, channel_color, sensor_label, write_beside
 from chromanoise.charts.league import league_chart
 from chromanoise.charts.pareto_curves import trades_chart
 from chromanoise.imaging import Capture

@@ -8,12 +8,7 @@ import numpy as np
 from chromanoise.base import Array, Float32, InputError, UInt8, UInt16, check, dataclass
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.imaging.blocks import Scratch, release
-from chromanoise.imaging.demosaic import (
-    FilterBank,
-    demosaicked_rows,
-    surrounded_rows,
-    taps_of,
-)
+from chromanoise.imaging.demosaic import FilterBank, demosaicked_rows, surrounded_rows, taps_of
 from chromanoise.imaging.demosaic_methods import (
     around_places,
     demosaicked_covariance,

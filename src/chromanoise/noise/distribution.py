@@ -14,13 +14,7 @@ import numpy as np
 from chromanoise.base import Array, Bool, Float, InputError, check, dataclass, diagonal
 from chromanoise.noise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
-from chromanoise.noise.readout import (
-    FARTHEST,
-    Moments,
-    Readout,
-    count_law,
-    count_window,
-)
+from chromanoise.noise.readout import FARTHEST, Moments, Readout, count_law, count_window
 from chromanoise.noise.variance import (
     CrosstalkPattern,
     NoiseSources,

@@ -15,23 +15,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from chromanoise.base import (
-    VERSION,
-    Array,
-    Float,
-    InputError,
-    JsonKey,
-    JsonKeys,
-    check,
-    dataclass,
-)
-from chromanoise.color import (
-    ColorMatrix,
-    Training,
-    colored,
-    training_color_error,
-    white_preserving,
-)
+from chromanoise.base import VERSION, Array, Float, InputError, JsonKey, JsonKeys, check, dataclass
+from chromanoise.color import ColorMatrix, Training, colored, training_color_error, white_preserving
 from chromanoise.io import Result, Table, axes_of, figures, table_of
 from chromanoise.metrics import (
     color_sensitivity_bits,

@@ -57,12 +57,7 @@ from chromanoise.noise import (
 )
 from chromanoise.sensor import Converter
 from chromanoise.spectra import PatchPairs, Spectra, all_pairs, chart_on, chart_title, is_infrared
-from chromanoise.study.analysis import (
-    Analysis,
-    Stages,
-    electrons_at,
-    stages_at,
-)
+from chromanoise.study.analysis import Analysis, Stages, electrons_at, stages_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
 
 BRIGHT, DARK = 0.18, 0.12

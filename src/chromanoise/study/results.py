@@ -107,10 +107,7 @@ from chromanoise.study.ranking import (
     optima_sentences,
     ranked,
 )
-from chromanoise.study.reading_quality import (
-    MachineReading,
-    machine_reading,
-)
+from chromanoise.study.reading_quality import MachineReading, machine_reading
 from chromanoise.study.schema import OutputsPart, Study, pipeline_settings
 from chromanoise.study.sweeps import Curve, SweptQuantity, by_matrix
 from chromanoise.study.trade_offs import MOST_CHECKED, Verdict

@@ -8,34 +8,13 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from chromanoise.base import InputError, dataclass, json_of
-from chromanoise.charts import (
-    DRAWINGS,
-    PARTS,
-    Look,
-    Shown,
-    as_data,
-    chart_csv,
-    drawing,
-    shown,
-)
+from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, as_data, chart_csv, drawing, shown
 from chromanoise.io import is_matrix_file
 from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
-from chromanoise.study import (
-    Study,
-    study_as_command,
-    study_as_python,
-    study_as_toml,
-)
-from chromanoise.web.page_studies import (
-    Remembered,
-    Stamps,
-    Studies,
-    labeled,
-    spoken,
-    stamps_of,
-)
+from chromanoise.study import Study, study_as_command, study_as_python, study_as_toml
+from chromanoise.web.page_studies import Remembered, Stamps, Studies, labeled, spoken, stamps_of
 from chromanoise.web.questions import QuestionError, field, malformed, page_sentence
 from chromanoise.web.uploads import Upload
 

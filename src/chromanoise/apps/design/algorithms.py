@@ -12,11 +12,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from chromanoise.apps.design.pareto_front import (
-    MOST_WITHOUT_PYMOO,
-    Problem,
-    crowding,
-)
+from chromanoise.apps.design.pareto_front import MOST_WITHOUT_PYMOO, Problem, crowding
 from chromanoise.base import (
     Array,
     Bool,

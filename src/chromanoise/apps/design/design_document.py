@@ -13,12 +13,7 @@ from typing import Annotated, Any, Literal
 from chromanoise.apps.design.algorithms import METHODS
 from chromanoise.apps.design.evaluation import OverScenes
 from chromanoise.apps.design.objectives import OBJECTIVES
-from chromanoise.apps.design.parameters import (
-    Free,
-    RobustPart,
-    Value,
-    noise_properties,
-)
+from chromanoise.apps.design.parameters import Free, RobustPart, Value, noise_properties
 from chromanoise.apps.design.search import DEFAULT_SEARCH, SearchOptions
 from chromanoise.apps.design.space import (
     LIBRARY_MODEL,

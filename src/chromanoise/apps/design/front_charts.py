@@ -9,11 +9,7 @@ from chromanoise.apps.design.pareto_front import (
     FrontReference,
 )
 from chromanoise.base import check
-from chromanoise.charts import (
-    brief,
-    listed,
-    table,
-)
+from chromanoise.charts import brief, listed, table
 
 _DIGITS = 4
 

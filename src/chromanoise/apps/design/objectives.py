@@ -22,12 +22,7 @@ from chromanoise.metrics import (
     sensor_metamerism,
     vora_value,
 )
-from chromanoise.noise import (
-    OperatingPoint,
-    measurement_vectors,
-    saturated,
-    signal_limit_e,
-)
+from chromanoise.noise import OperatingPoint, measurement_vectors, saturated, signal_limit_e
 from chromanoise.spectra import INFRARED_FROM_NM, color_axes, is_infrared
 from chromanoise.study import (
     GRAY,

@@ -28,9 +28,7 @@ from chromanoise.apps.design.parameters import (
     refuse_exact,
 )
 from chromanoise.apps.design.pareto_front import Evaluated, Front, Linearized, Problem
-from chromanoise.apps.design.search import (
-    SearchOptions,
-)
+from chromanoise.apps.design.search import SearchOptions
 from chromanoise.apps.design.space import LEAST_QE, Channel, DesignSpace, Filter
 from chromanoise.base import Array, Float, InputError, check, dataclass
 from chromanoise.io.spectra import Answers
