@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         claimed_folder,
         csv_comment,
         csv_text,
+        digest_of,
         refuse_unwritable,
         renamed,
         text_of_cell,

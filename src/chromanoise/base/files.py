@@ -201,7 +201,7 @@ class ClaimedFolder:
         """
         if not adopted:
             self.refuse_taken([name])
-        now = _sha256(self._goal / name)
+        now = digest_of(self._goal / name)
         own = _own_files(self._goal, self.folder)
         own[name] = _Own(self.command, () if now is None else (now,))
         with _write_errors(self.folder):
@@ -258,7 +258,8 @@ class ClaimedFolder:
         entry = own.get(name)
         if entry is None or entry.command != self.command:
             return False
-        return _sha256(self._goal / name) in (*entry.sha256, _EMPTY)  # empty after a power failure
+        known = (*entry.sha256, _EMPTY)  # empty after a power failure
+        return digest_of(self._goal / name) in known
 
     def _appear(self, outdated: str) -> None:
         """Move the files of the scratch folder to the goal."""
@@ -268,7 +269,7 @@ class ClaimedFolder:
         if not files:
             return
         new = {
-            file.as_posix(): _Own(self.command, (str(_sha256(scratch / file)),)) for file in files
+            file.as_posix(): _Own(self.command, (str(digest_of(scratch / file)),)) for file in files
         }
         own = _own_files(goal, self.folder)
         self._refuse(new, own)
@@ -480,7 +481,7 @@ def _list_own(folder: Path, own: Mapping[str, _Own], *, like: Path | None = None
         _keep_mode(like / OWN_FILES, folder / OWN_FILES)
 
 
-def _sha256(file: Path) -> str | None:
+def digest_of(file: Path) -> str | None:
     """SHA-256 of a regular file; ``None`` if it is another kind of file or cannot be read."""
     with suppress(OSError, ValueError):
         if stat.S_ISREG(file.lstat().st_mode):

@@ -21,6 +21,7 @@ from chromanoise.base import (
     claimed_folder,
     content_hash,
     dataclass,
+    digest_of,
     json_file,
     json_text,
     refuse_unwritable,
@@ -30,7 +31,6 @@ from chromanoise.imaging import Work
 from chromanoise.io.spectra import named
 from chromanoise.study.hashes import (
     changes_since,
-    digests_of,
     file_stamps,
     in_catalog,
     numerics,
@@ -435,7 +435,7 @@ def _made_by(file: Path, hash_: str) -> bool:
     written = record.get("written")
     if not isinstance(record.get("result"), dict) or not isinstance(written, dict):
         return False
-    return all(_sha256(file.parent / name) == digest for name, digest in written.items())
+    return all(digest_of(file.parent / name) == digest for name, digest in written.items())
 
 
 def _pictures_of(file: Path) -> list[str]:
@@ -447,15 +447,7 @@ def _pictures_of(file: Path) -> list[str]:
 
 def _written(folder: Path) -> dict[str, str | None]:
     """The files that a step wrote, each with the SHA-256 by which a later run knows it again."""
-    return {file.name: _sha256(file) for file in sorted(folder.iterdir())}
-
-
-def _sha256(file: Path) -> str | None:
-    """``None`` of what cannot be read."""
-    try:
-        return next(iter(digests_of([file]).values()))
-    except (OSError, ValueError):  # among them an InputError
-        return None
+    return {file.name: digest_of(file) for file in sorted(folder.iterdir())}
 
 
 def read_record(file: Path) -> dict[str, Any]:
