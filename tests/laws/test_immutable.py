@@ -7,6 +7,7 @@ import inspect
 import pickle
 import weakref
 from dataclasses import KW_ONLY, FrozenInstanceError, field, fields, replace
+from functools import cached_property
 
 import pytest
 from hypothesis import given, strategies as st
@@ -130,6 +131,21 @@ def test_a_class_extends_it_and_its_values_are_copied_and_pickled(kind):
         kind(size=2)
 
 
+def test_a_property_that_is_kept_changes_neither_equality_nor_hash():
+    @dataclass(frozen=True)
+    class Length:
+        size: float
+
+        @cached_property
+        def double(self):
+            return 2 * self.size
+
+    asked, other = Length(1.0), Length(1.0)
+    assert asked.double == 2.0
+    assert asked == other
+    assert hash(asked) == hash(other)
+
+
 def test_what_is_kept_of_an_object_is_computed_once_and_goes_with_it():
     @dataclass(frozen=True, eq=False)
     class Light:
@@ -138,13 +154,20 @@ def test_what_is_kept_of_an_object_is_computed_once_and_goes_with_it():
     asked = []
 
     @kept
-    def doubled(light):
-        asked.append(light.level)
-        return 2 * light.level
+    def times(light, factor):
+        asked.append(factor)
+        return factor * light.level
 
     one, equal = Light(2.0), Light(2.0)
-    assert [doubled(light) for light in (one, one, equal, one)] == [4.0] * 4
-    assert asked == [2.0, 2.0]
+    assert [times(light, 2) for light in (one, one, equal, one)] == [4.0] * 4
+    assert asked == [2, 2]
+    assert [times(one, factor) for factor in (3, 2, 3)] == [6.0, 4.0, 6.0]
+    assert asked == [2, 2, 3]
+    for factor in range(100):  # what is kept of one object has a limit
+        times(one, factor)
+    asked.clear()
+    assert times(one, 0) == 0.0
+    assert asked == [0]
     gone = weakref.ref(one)
     del one
     gc.collect()

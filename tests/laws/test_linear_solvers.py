@@ -30,3 +30,13 @@ def test_finite_numbers_are_solved():
     np.testing.assert_allclose(_linalg.solve("two equations", matrix, sides), [1, 3], rtol=1e-14)
     best = _linalg.lstsq("two equations", matrix, sides, rcond=None)[0]
     np.testing.assert_allclose(best, [1, 3], rtol=1e-14)
+
+
+def test_covariances_go_through_a_matrix_as_the_sums_of_its_entries():
+    a, roots = (np.random.default_rng(7).normal(size=shape) for shape in ((3, 4), (2, 5, 4, 4)))
+    covariances = roots @ np.swapaxes(roots, -1, -2)
+    sums = np.einsum("ia,...ab,jb->...ij", a, covariances, a)
+    for found in (_linalg.congruence, _linalg.congruence_of_many):
+        np.testing.assert_allclose(found(a, covariances), sums, rtol=1e-12, atol=1e-12)
+    variances = np.diagonal(sums, axis1=-2, axis2=-1)
+    np.testing.assert_allclose(_linalg.variances_along(a, covariances), variances, rtol=1e-12)
