@@ -164,18 +164,20 @@ def kept(function: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
         Of one object whose values never change, and of others that are compared by value; all of
         them without names. Of one object, what is found for the last 64 others is kept, or less.
     """
-    known: WeakKeyDictionary[Any, dict[tuple[Any, ...], _Result]] = WeakKeyDictionary()
+    known: WeakKeyDictionary[Any, dict[tuple[Any, ...], Any]] = WeakKeyDictionary()
 
     @wraps(function)
     def found(of: Any, /, *others: Any) -> _Result:
         own = known.get(of)
         if own is None:
             own = known[of] = {}
-        if others not in own:
+        result = own.get(others, MISSING)
+        if result is MISSING:  # another thread may empty what is kept at any time
+            result = function(of, *others)  # type: ignore[call-arg]
             if len(own) >= _MOST_KEPT:
                 own.clear()
-            own[others] = function(of, *others)  # type: ignore[call-arg]
-        return own[others]
+            own[others] = result
+        return result
 
     return found  # type: ignore[return-value]
 
