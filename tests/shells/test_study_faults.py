@@ -65,6 +65,14 @@ def test_all_faults_of_a_study_are_told_at_once_each_at_its_line(run, here):
     assert not (here / "out").exists()
 
 
+def test_a_channel_that_sees_nothing_is_told_at_the_line_of_its_file(run, here):
+    (here / "cam.csv").write_text("wavelength_nm,R,Z\n400,0.1,0\n1050,0.3,0\n")
+    (here / "s.toml").write_text('[[sensors]]\nname = "onyx-rgb"\n[[sensors]]\nname = "cam.csv"\n')
+    outcome = run("run", "s.toml", "--out", "out")
+    refused(outcome, "s.toml:4: sensors.1.name: ", "channel Z", setting="sensors.1.name")
+    refused(run("analyze", "onyx-rgb", "cam.csv"), "channel Z", setting="sensors.1.name")
+
+
 def test_a_study_is_no_output_and_says_which_command_takes_it(run, made):
     refused(run("rerun", "s.toml", "--out", "again"), "chromanoise run s.toml")
 

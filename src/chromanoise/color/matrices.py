@@ -41,7 +41,7 @@ from chromanoise.noise import (
     through,
     with_noise,
 )
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, refuse_blind_channels
 from chromanoise.spectra import DEFAULT_OBSERVER, Metric, Scene, color_axes, known_observer, light
 
 XYZ = ("X", "Y", "Z")
@@ -136,15 +136,7 @@ def kernel_matrix(
     -----
     Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 6.
     """
-    for name, seen in zip(sensor.names, sensor.qe.max(axis=0), strict=True):
-        if not seen:
-            raise InputError(
-                f"channel {name} of sensor {sensor.name}",
-                "must have a QE above 0 at some wavelength",
-                value=0.0,
-                found=f"has a QE of 0 on the whole grid {sensor.grid}, so it measures nothing",
-                remedy="omit the channel",
-            )
+    refuse_blind_channels(sensor)
     basis = measurement_vectors(sensor, exposure, metric)  # F
     frame = dual_frame(basis, names=sensor.names, metric=metric)
     axes = color_axes(sensor.grid, metric, observer)  # H

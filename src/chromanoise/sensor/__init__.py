@@ -147,6 +147,7 @@ if TYPE_CHECKING:
         code_range_e as code_range_e,
         dye_transmittances as dye_transmittances,
         pixels_of as pixels_of,
+        refuse_blind_channels as refuse_blind_channels,
         white_level_e as white_level_e,
         white_level_name as white_level_name,
         with_channels as with_channels,

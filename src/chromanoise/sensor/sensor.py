@@ -125,6 +125,25 @@ def pixels_of(sensor: Sensor) -> int:
     return 1 if sensor.stacked else len(sensor.names)
 
 
+def refuse_blind_channels(sensor: Sensor) -> None:
+    """Refuse a channel that measures nothing.
+
+    Raises
+    ------
+    InputError
+        If a channel is zero at every wavelength.
+    """
+    for name, seen in zip(sensor.names, sensor.qe.max(axis=0), strict=True):
+        if not seen:
+            raise InputError(
+                f"channel {name} of sensor {sensor.name}",
+                "must have a QE above 0 at some wavelength",
+                value=0.0,
+                found=f"has a QE of 0 on the whole grid {sensor.grid}, so it measures nothing",
+                remedy="omit the channel",
+            )
+
+
 def behind_filter(
     sensor: Sensor,
     transmittance: Float[Array, " n"],

@@ -16,6 +16,7 @@ from chromanoise.sensor import (
     behind_ir_cut,
     crosstalk_of_share,
     mosaic_named,
+    refuse_blind_channels,
     refuse_other_channels,
     with_binning,
     with_channel_names,
@@ -526,7 +527,7 @@ def sensor_of(
     Raises
     ------
     InputError
-        If its name names nothing, or a file cannot be read.
+        If its name names nothing, a file cannot be read, or a channel measures nothing.
     """
     own = {name: f"{key}.{place}" for name, place in _ANSWER_KEYS.items()}
     own |= {} if part.pixel.file is None else {part.pixel.file: f"{key}.pixel.file"}
@@ -558,6 +559,8 @@ def sensor_of(
             )
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)
+    with keyed(f"{key}.name"):
+        refuse_blind_channels(sensor)
     return replace(_with_crosstalk(sensor, part, key), shown_as=part.label or sensor.shown_as)
 
 
