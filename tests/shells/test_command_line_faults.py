@@ -191,12 +191,23 @@ def test_a_local_cluster_whose_workers_end_at_once_is_refused(run, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("parts", "result"), [(100, "the work: takes about 3.3 min\n"), (10, "")]
-)  # 2 s each: 200 s and 20 s
-def test_only_a_long_computation_prints_how_long_it_takes(capsys, monkeypatch, parts, result):
-    clock = iter(np.arange(0.0, 1000.0, 2.0))
+    ("parts", "each_s", "result"),
+    [
+        (100, [2.0] * 50, ["3.3 min"]),
+        (10, [2.0] * 10, []),
+        # 4 parts in 10 s after the first: the other 95 take 237.5 s
+        (100, [2.0] * 3 + [3.0] * 2, ["3.3 min", "4.2 min, 4 min of it left"]),
+        # 3 parts in 10 s, so 20 s for 6, after 12 s: first above half a minute
+        (10, [2.0] * 3 + [6.0] * 2, ["32 s"]),
+        (4, [2.0, 100.0, 100.0, 2.0], ["5 min"]),  # none after the last
+    ],
+)
+def test_a_long_computation_prints_how_long_it_takes_and_corrects_it(
+    capsys, monkeypatch, parts, each_s, result
+):
+    clock = iter(np.cumsum([0.0, *each_s]))
     monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
     with progress.progress_of("the work", parts, "parts") as advance:
-        for _ in range(3):
+        for _ in each_s:
             advance(1)
-    assert capsys.readouterr() == ("", result)
+    assert capsys.readouterr() == ("", "".join(f"the work: takes about {one}\n" for one in result))

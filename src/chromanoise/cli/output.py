@@ -275,24 +275,29 @@ def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], No
     """Yield a function to be called with each number of newly finished parts, out of ``parts``.
 
     After the first second of work, a line on standard error gives the estimated total time if that
-    is more than half a minute. A terminal also shows a bar.
+    is more than half a minute. Whenever the time of the work has doubled, a line corrects it if it
+    has changed by a fifth. A terminal also shows a bar.
     """
     console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
-    start, finished, estimated = time.monotonic(), 0, False
+    start, finished, told_s, due_s = time.monotonic(), 0, 0.0, _MEASURED_S
     first: tuple[float, int] | None = None  # the first parts include what is prepared once
 
     def advance(count: int) -> None:
-        nonlocal finished, estimated, first
+        nonlocal finished, told_s, due_s, first
         finished += count
         now = time.monotonic()
         if first is None:
             first = (now, finished) if finished else None
             return
-        if not estimated and finished > first[1] and now - first[0] >= _MEASURED_S:
-            estimated = True
-            whole = first[0] - start + (now - first[0]) / (finished - first[1]) * (parts - first[1])
-            if whole > _LONG_S:
-                console.print(f"{what}: takes about {duration(whole)}")
+        work_s = now - first[0]
+        if first[1] < finished < parts and work_s >= due_s:
+            due_s = 2 * work_s
+            left_s = work_s / (finished - first[1]) * (parts - finished)
+            whole_s = now - start + left_s
+            if (told_s or whole_s > _LONG_S) and abs(whole_s - told_s) > told_s / 5:
+                left = f", {duration(left_s)} of it left" if told_s else ""
+                console.print(f"{what}: takes about {duration(whole_s)}{left}")
+                told_s = whole_s
 
     if not console.is_terminal:
         yield advance
