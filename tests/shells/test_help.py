@@ -1,8 +1,11 @@
 """Help of the commands: the common options under headings, and all of them with --help-all."""
 
+from pathlib import Path
+
 import click
 import pytest
 
+import chromanoise
 from chromanoise.cli.entry import COMMANDS, commands
 from chromanoise.cli.options import MOST_COMMON
 
@@ -43,3 +46,12 @@ def test_the_short_help_says_how_many_options_it_omits(run):
 def test_a_command_of_few_options_lists_them_all(run):
     assert "--help-all" not in run("run", "--help")[1]
     assert run("run", "--help-all") == run("run", "--help")
+
+
+@pytest.mark.parametrize("other", ["fullest channel", "brightest channel"])
+def test_the_channel_that_sets_the_time_has_one_name(other):
+    package = Path(chromanoise.__file__).parent
+    files = [one for one in package.rglob("*") if one.suffix in (".py", ".js", ".j2", ".toml")]
+    assert len(files) > 300
+    texts = {one.name: " ".join(one.read_text(encoding="utf-8").lower().split()) for one in files}
+    assert not [name for name, text in texts.items() if other in text]

@@ -275,8 +275,8 @@ def compare(
     The first sentence says which sensor has the least visual noise at equal color error, compared
     at up to 9 values of the range; it is there for 2 to 20 sensors, without --and.
 
-    The exposure time is solved once, for the settings that stay fixed, so that the brightest
-    channel of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.
+    Auto exposure gives one time, for the settings that stay fixed: the most sensitive channel
+    reaches --saturate (99 %) of full well on a perfect white. --time-ms sets another time.
     """
     settings |= _span(sweep, "--sweep")
     makers = matrices.split(",")

@@ -93,7 +93,7 @@ _detail_option = partial(own_option, common=False, heading="Picture")
 @own_option(
     "--time-ms",
     type=float,
-    help="Exposure time [ms]. [default: from the file, else solved from --saturate]",
+    help="Exposure time [ms]. [default: from the file, else auto exposure]",
 )
 @own_option(
     "--mosaic",

@@ -51,7 +51,7 @@ TRAINING = "patches-190"
 SIDE_UM = 4.0
 """Side of the area whose pixels are summed. [um]"""
 SATURATION_E = 10_000.0
-"""Electrons of a white in the fullest channel, at equal saturation. [e-]"""
+"""Electrons of a white in the most sensitive channel, at equal saturation. [e-]"""
 BLOCKS_NM = ((400.0, 485.0), (490.0, 575.0), (580.0, 700.0))
 """Each distinguishable color is a reflectance that is constant on these. [nm]"""
 _SHUTTER_S = 0.01  # of all exposures; it decides on dark current alone

@@ -25,7 +25,7 @@ AT_THE_SENSOR = Exposure(time_s=1.0, f_number=FASTEST_F_NUMBER)
 
 
 def saturation_electrons(sensor: Sensor, iso: float) -> float:
-    """Electrons of the fullest channel where the sensor saturates at an ISO speed. [e-]
+    """Electrons of the most sensitive channel where the sensor saturates at an ISO speed. [e-]
 
     Parameters
     ----------

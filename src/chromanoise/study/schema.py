@@ -600,14 +600,14 @@ class ExposurePart(Part):
     )
     time_ms: Annotated[Positive, _within("ms", 1e-12, 1e15)] | None = setting(
         None,
-        "Exposure time [ms], the same for all sensors; default: solved from the share of full "
-        "well.",
+        "Exposure time [ms], the same for all sensors; default: auto exposure, from the share of "
+        "full well.",
         common=True,
     )
     saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = setting(
         DEFAULT_SHARE,
-        "Share of full well that the most sensitive channel reaches on a perfect white, if the "
-        "time is solved.",
+        "Share of full well that the most sensitive channel reaches on a perfect white with auto "
+        "exposure.",
     )
     f_number: Annotated[Positive, After(_of_a_lens)] = setting(
         DEFAULT_F_NUMBER, "f-number of the lens.", common=True

@@ -364,7 +364,7 @@ class Objectives:
         return self._over_scenes(self._real(_chosen(self, choices, curves), self.objectives))
 
     def share_of_full_well(self, candidates: Candidates) -> Float[Array, " m"]:
-        """Electrons of a perfect white over full well or top code, fullest channel and scene. [1]
+        """Most electrons of a channel on a perfect white over its full well or top code. [1]
 
         Parameters
         ----------

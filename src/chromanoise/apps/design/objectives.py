@@ -339,7 +339,7 @@ def _infrared_share(candidate: Candidate) -> float | None:
 
 @_objective(
     "share of full well",
-    "electrons of a white as a share of full well or top code, fullest channel",
+    "electrons of a white as a share of full well or top code, most sensitive channel",
     "1",
     "lower",
     source="EMVA 1288, release 4.0",

@@ -133,10 +133,11 @@ function sensorsAndLamp({ sensors, light }) {
  */
 function autoHint(solves, shared, study) {
   if (!shared) return "Always on with this comparison: each sensor has its own exposure time.";
-  const full = `${brief(100 * saidAt(study, "exposure.saturate"))} % of full well`;
-  if (solves) return `The time follows every change: fullest channel at ${full}. At the same exposure the picture stays the same.`;
   if (valueAt(study, "exposure.time_ms") !== null) return "Fixed time.";
-  return `Fullest channel at ${full}.`;
+  const full = `${brief(100 * saidAt(study, "exposure.saturate"))} % of full well on a perfect white`;
+  const reached = `: the most sensitive channel reaches ${full}.`;
+  if (solves) return `The time follows every change${reached} At the same exposure the picture stays the same.`;
+  return `Auto exposure until a slider moves${reached}`;
 }
 
 /**
