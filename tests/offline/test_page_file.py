@@ -227,6 +227,22 @@ def test_a_denoising_method_that_needs_another_package_cannot_be_chosen(opened):
     assert "numba" in method.locator("option[value=patches]").text_content()
 
 
+def test_what_this_file_cannot_make_is_not_offered(opened, tmp_path):
+    page = opened(FILE.as_uri())
+    report = page.get_by_role("button", name="Save report")
+    sync_api.expect(report).to_be_enabled()
+    assert page.get_by_role("button", name="Save card").count() == 0
+    assert "cube" not in page.locator("#file-kinds").text_content()
+    file = tmp_path / "clean.toml"
+    file.write_text('[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\ndenoise = "patches"\n')
+    page.locator("#bring input[type=file]").set_input_files(file)
+    page.get_by_role("button", name="Open this study").click()
+    sync_api.expect(report).to_be_disabled()
+    assert "numba" in report.get_attribute("title")
+    page.get_by_label("Denoising", exact=True).select_option("guided")
+    sync_api.expect(report).to_be_enabled()
+
+
 def test_no_rule_of_accessibility_is_broken(opened, axe):
     page = opened(FILE.as_uri())
     page.locator(

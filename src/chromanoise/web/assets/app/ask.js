@@ -30,7 +30,8 @@ export class Refused extends Error {
   }
 }
 
-const IS_FILE = document.documentElement.dataset.place === "file";
+/** Whether this page has no server: it is one file, without Matplotlib and readers of cubes. */
+export const IS_FILE = document.documentElement.dataset.place === "file";
 const WHO = IS_FILE ? "This page" : "The server";
 
 /** @param {string} what follows from it */

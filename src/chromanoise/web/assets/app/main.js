@@ -468,7 +468,7 @@ async function start() {
   subscribe(changed);
   guidedStory(byId("story"), byId("tour"));
   root.dataset.version = choices.version;
-  saving(page.panels.values());
+  saving(page.panels.values(), choices);
   notice("broken", readAddress());
   if (choices.front) import("app/front.js").then(({ showServed }) => showServed());
 }

@@ -1,6 +1,6 @@
 /** The panel of the noisy picture: two of them with a divider, fetched after the numbers. */
 
-import { Refused, reply, understood } from "app/ask.js";
+import { IS_FILE, Refused, reply, understood } from "app/ask.js";
 import { attribute, brief, button, choice, el, fillChoice, say, within } from "app/dom.js";
 import { most, saidAt } from "app/paths.js";
 import { setDenoising } from "app/scene.js";
@@ -222,8 +222,7 @@ class View {
   #tellSlow() {
     if (this.section.hasAttribute("data-denoising")) return;
     attribute(this.section, "data-making", true);
-    const compiles = document.documentElement.dataset.place !== "file";
-    say(this.said, this.#pair || !compiles ? MAKING : `${MAKING} ${FIRST}`);
+    say(this.said, this.#pair || IS_FILE ? MAKING : `${MAKING} ${FIRST}`);
   }
 
   /**

@@ -1,11 +1,12 @@
 /** Bring your own: a file of any kind, dropped anywhere or chosen. */
 
-import { Refused, sent, understood, UNHEARD } from "app/ask.js";
+import { IS_FILE, Refused, sent, understood, UNHEARD } from "app/ask.js";
 import { el } from "app/dom.js";
 import { setSheet } from "app/sheet.js";
 
 const LARGEST = 12e6;
-const KINDS = "Spectrum, sensor, pixel, crosstalk, color matrix, study, cube or front of a design; it stays on this computer.";
+const CUBE = IS_FILE ? "" : ", cube"; // its readers need other libraries
+const KINDS = `Spectrum, sensor, pixel, crosstalk, color matrix, study${CUBE} or front of a design; it stays on this computer.`;
 
 /**
  * Puts the field for files into its place and lets files be dropped anywhere.
