@@ -148,7 +148,7 @@ def main() -> None:
         cut = ("D_M with IR-cut", "pairs better with IR-cut")
         times = ("same time", "longer time")
         heads = ["D_M without IR-cut", *(f"{head}, {time}" for head in cut for time in times)]
-        heads += [f"right at {lux} lx: without, with" for lux in ("1", "0.1", "0.01")]
+        heads += [f"correct at {lux} lx: without, with" for lux in ("1", "0.1", "0.01")]
         print("| sensor | pair | " + " | ".join(heads) + " |")
         print("|---" * (2 + len(heads)) + "|")
         for name in SENSORS:

@@ -396,7 +396,14 @@ def test_the_verdict_for_a_machine_names_the_winner_of_the_median_and_of_the_wor
     assert "worst pair onyx-rgb-ircut is better" in worst
     assert f"{three.distance[RAW].min():#.3g} (" in worst
     assert " / ".join(four.pairs.names[four.worst]) in worst
-    assert f"{100 * four.probability[RAW].min():.0f} % right" in worst
+    assert f"{100 * four.probability[RAW].min():.0f} % classified correctly" in worst
+
+
+def test_of_three_sensors_the_winner_for_a_machine_is_best_and_not_better():
+    names = ("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb")
+    text = " ".join(machine_sentences(analyzed(*names, lux=10.0).analyses))
+    assert " is best, " in text
+    assert "better" not in text
 
 
 def test_no_sensor_leads_where_all_decide_nearly_by_chance():

@@ -171,11 +171,11 @@ def test_without_brightness_the_worst_pair_is_nearly_chance_and_the_median_at_a_
         max(one for light in LIGHTS for one in percents(light, 10.0, which, np.min, False))
         for which in (WITHOUT, WITH)
     ]
-    said = f"at most {worst[0]:.0f} % right at 10 lx without the IR-cut, {worst[1]:.0f} % with it"
-    assert said in SENTENCES
+    worst_said = f"{worst[0]:.0f} % classified correctly at 10 lx without the IR-cut"
+    assert f"at most {worst_said}, {worst[1]:.0f} % with it" in SENTENCES
     median = [one for x in LIGHTS for one in percents(x, 0.1, WITHOUT, np.median, False)]
     low, high = spread(median)
-    assert f"{low} to {high} % right without the IR-cut" in SENTENCES
+    assert f"{low} to {high} % classified correctly without the IR-cut" in SENTENCES
 
 
 def test_the_page_on_readers_has_median_and_worst_pair_at_one_time_and_at_its_own():
@@ -201,5 +201,6 @@ def test_the_page_on_readers_has_median_and_worst_pair_at_one_time_and_at_its_ow
         100 * norm.cdf(np.median(distances(point, 0.1, brightness=False)) / 2)
         for point in points[:2]
     ]
-    printed = re.search(r"\((\d+) % right without IR-cut, (\d+) % with it\)", READERS)
+    correct = r"\((\d+) % classified correctly without IR-cut, (\d+) % with it\)"
+    printed = re.search(correct, READERS)
     assert [float(one) for one in printed.groups()] == pytest.approx(no_brightness, abs=0.6)

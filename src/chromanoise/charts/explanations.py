@@ -514,8 +514,8 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         title="Distance of two patches for a machine",
         words="A machine reads the raw values and needs no color. It can tell two patches apart "
         "if their means differ by more than the noise: the distance is that difference in units "
-        "of the noise. At a distance of 2, an ideal reader of one pixel is right in 84 % of the "
-        "cases. An invertible color matrix does not change the distance.",
+        "of the noise. At a distance of 2, an ideal reader of one pixel classifies 84 % of the "
+        "readings correctly. An invertible color matrix does not change the distance.",
         latex=(r"D_{\mathrm{M}}^2 = d^{\top} S^{-1} d", r"P = \Phi(D_{\mathrm{M}} / 2)"),
         symbols=(
             Symbol(
@@ -526,7 +526,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             ),
             Symbol("d", "difference of the mean raw values", unit="e⁻"),
             Symbol("S", "mean covariance of the two patches", unit="e⁻²"),
-            Symbol("P", "share of right answers of an ideal reader", unit="1", name="probability"),
+            Symbol("P", "share of readings classified correctly", unit="1", name="probability"),
             Symbol(r"\Phi", "cumulative normal distribution", unit="1"),
             _TRANSPOSED,
         ),

@@ -100,18 +100,21 @@ def _compared(found: Sequence[_Labeled], pair: _PairOf) -> str:
         return f"no sensor exceeds a distance of {_text(of_best)}"
     second, of_second = others[0]
     tied = of_best.distance - of_second.distance <= _TIE * of_best.distance
-    lead = f"{best} and {second} are equal" if tied else f"{best} is better"
+    among_many = len(others) > 1
+    lead = f"{best} is {'best' if among_many else 'better'}"
+    if tied:
+        lead = f"{best} and {second} are {'best and equal' if among_many else 'equal'}"
     against = "" if tied else f" for {second}"
     return f"{lead}, distance {_text(of_best)} against {_text(of_second)}{against}"
 
 
 def _text(pair: PairOutcome) -> str:
-    """A distance with the pair, the probability of a right answer, and whether it is chance."""
+    """A distance with the pair, the share classified correctly, and whether it is chance."""
     size = f"{pair.distance:#.3g}" if pair.distance < 100 else f"{pair.distance:.0f}"
     percent = 100 * pair.probability
-    right = f"{percent:.0f} % right" if percent < 99.5 else "over 99 % right"
+    share = f"{percent:.0f} %" if percent < 99.5 else "over 99 %"
     parts = [" / ".join(pair.names)] if pair.names else []
-    parts += [right] + (["nearly chance"] if pair.near_chance else [])
+    parts += [f"{share} classified correctly"] + (["nearly chance"] if pair.near_chance else [])
     return f"{size} ({', '.join(parts)})"
 
 
@@ -162,8 +165,9 @@ def _separations(readings: Sequence[MachineReading]) -> Table:
         _HEADS,
         rows,
         "Distance of two patches in units of their noise (Mahalanobis), for an ideal "
-        "reader of one pixel; in parentheses the probability that it names the right one of the "
-        "two (0.5 is chance). Medians of distances and of probabilities are taken separately.",
+        "reader of one pixel; in parentheses the probability that it classifies a reading of the "
+        "two correctly (0.5 is chance). Medians of distances and of probabilities are taken "
+        "separately.",
     )
 
 

@@ -495,8 +495,8 @@ def _colors(able: Sequence[Analysis], found: EqualColor) -> list[str]:
     ]
     if below:
         told.append(
-            f"With {matrix}, the color error is less than with every noise-aware matrix, which "
-            f"keeps the white: {listed(_shortened(below, '{} others'))}."
+            f"With {matrix}, the color error is less than with every noise-aware matrix, as these "
+            f"keep the white: {listed(_shortened(below, '{} others'))}."
         )
     return told
 

@@ -497,7 +497,7 @@ NEAR_CHANCE = 0.6
 
 _OF_PAIRS = (
     ("distance", "", "Distance D_M of"),
-    ("probability", "_probability", "Share of right answers for"),
+    ("probability", "_probability", "Share of readings classified correctly for"),
 )
 
 
