@@ -32,6 +32,22 @@ def brought(page, name, content):
     return page.locator(".brought")
 
 
+@pytest.mark.evidence
+def test_two_files_of_one_name_are_told_apart_and_one_content_is_taken_once(window):
+    page = window({"study": {"sensors": PAIR}, "look": {}})
+    first, second = (f"wavelength_nm,R,G,B\n{CURVES.replace('0.4', one)}" for one in ("0.4", "0.5"))
+    for content in (first, second):
+        add = brought(page, "x.csv", content).get_by_role("button", name="Add as a sensor")
+        _, parts = answer_to(page, add.click)
+    told = [one["name"] for one in parts["numbers"]["sensors"]]
+    assert told == ["onyx-rgbw", "onyx-rgb", "x", "x (2)"]
+    chosen = page.locator(".card select option:checked").all_text_contents()
+    assert all(one.startswith(f"{name} ") for one, name in zip(chosen[2:], told[2:], strict=True))
+    report = brought(page, "copy.csv", first)
+    report.get_by_text("copy.csv has the same content as sensor 3").wait_for()
+    assert report.get_by_role("button").count() == 0
+
+
 def ghost_question(look):
     def is_it(request):
         if not request.url.endswith("/api/answer"):

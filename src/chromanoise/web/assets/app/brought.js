@@ -45,6 +45,11 @@ export function show(report, name, answer) {
     return;
   }
   if (answer.kind !== "study") remember(answer.kind, answer.id, name, (answer.asks ?? []).map(({ key }) => key));
+  const at = answer.kind === "sensor" ? current().study.sensors.findIndex((one) => one.name === answer.id) : -1;
+  if (at >= 0) {
+    report.replaceChildren(el("p", { text: `${name} has the same content as sensor ${at + 1}; duplicate that one to change it.` }));
+    return;
+  }
   const lines = (answer.preview ?? []).map((text) => el("li", { text }));
   const title = el("p", { class: "strong", text: `${name}: ${KINDS[answer.kind]}` });
   const asks = (answer.asks ?? []).map(question);

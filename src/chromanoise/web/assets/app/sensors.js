@@ -125,7 +125,7 @@ function sensorCard(choices, i) {
   const show = (study, head, color) => {
     const { sensors } = study;
     const known = choices.sensors.find((one) => one.name === sensors[i].name);
-    fillChoice(pick.select, namesFor(choices, sensors[i]), sensors[i].name);
+    fillChoice(pick.select, namesFor(choices, sensors, i, head), sensors[i].name);
     if (drawn !== color) swatch.replaceChildren(mark(i, 8, 8, (drawn = color)));
     say(inner.words, described(sensors[i], known, head?.sensors?.[i]));
     const count = countSet(fields, study, i);
@@ -139,15 +139,21 @@ function sensorCard(choices, i) {
 }
 
 /**
- * The sensors of the catalog and of files; the one that is chosen has its label before its name.
+ * The sensors of the catalog and of files; before the name of the one that is chosen stands its
+ * label or, where several have that name, what the verdict calls it.
  *
  * @param {Choices} choices
- * @param {SensorPart} sensor
+ * @param {SensorPart[]} sensors
+ * @param {number} i
+ * @param {Head | null} head
  */
-function namesFor(choices, { name, label }) {
+function namesFor(choices, sensors, i, head) {
+  const { name, label } = sensors[i];
+  const alike = sensors.filter((one) => shownName(one.name) === shownName(name)).length > 1;
+  const called = label ?? (alike ? head?.sensors?.[i]?.name : undefined) ?? name;
   const known = choices.sensors.map((one) => [one.name, one.name]);
   const all = [...known, ...uploaded("sensor", name)];
-  return all.map(([own, text]) => [own, label && own === name ? `${label} (${text})` : text]);
+  return all.map(([own, text]) => [own, own === name && called !== name ? `${called} (${text})` : text]);
 }
 
 /**
