@@ -246,7 +246,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         words="A color matrix computes X, Y and Z from the channels: three numbers that describe "
         "a color as an eye sees it; Y is its brightness (luminance). The noise of all channels "
         "adds up in each of them, and large weights of opposite sign cancel signal but not noise. "
-        "A large value means a smooth color picture. The verdict compares the SNR of Y.",
+        "A large value means a smooth color picture. The verdict compares the SNR of Y, too.",
         latex=(
             r"\mathrm{SNR}_c = 20 \, \log_{10} \frac{(C M)_c}{\sqrt{(C D C^{\top})_{cc}}}",
             r"C_{\mathrm{kernel}} = H^{\top} F G^{-1}",
