@@ -146,6 +146,22 @@ def test_a_property_that_is_kept_changes_neither_equality_nor_hash():
     assert hash(asked) == hash(other)
 
 
+def test_a_subclass_by_the_standard_decorator_is_compared_by_all_its_fields():
+    @dataclass(frozen=True, kw_only=True)
+    class Base:
+        a: int
+
+    assert Base(a=1) == Base(a=1)
+
+    @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+    class Own(Base):
+        b: int
+
+    assert Own(a=1, b=2) == Own(a=1, b=2)
+    assert Own(a=1, b=2) != Own(a=1, b=3)
+    assert len({Own(a=1, b=2), Own(a=1, b=3)}) == 2
+
+
 def test_what_is_kept_of_an_object_is_computed_once_and_goes_with_it():
     @dataclass(frozen=True, eq=False)
     class Light:
@@ -156,7 +172,7 @@ def test_what_is_kept_of_an_object_is_computed_once_and_goes_with_it():
     @kept
     def times(light, factor):
         asked.append(factor)
-        return factor * light.level
+        return factor * light.level if isinstance(factor, int) else factor
 
     one, equal = Light(2.0), Light(2.0)
     assert [times(light, 2) for light in (one, one, equal, one)] == [4.0] * 4
@@ -168,6 +184,8 @@ def test_what_is_kept_of_an_object_is_computed_once_and_goes_with_it():
     asked.clear()
     assert times(one, 0) == 0.0
     assert asked == [0]
+    assert times(one, [2]) == times(one, [2])  # without a hash nothing is kept
+    assert asked == [0, [2], [2]]
     gone = weakref.ref(one)
     del one
     gc.collect()

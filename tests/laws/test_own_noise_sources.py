@@ -210,3 +210,17 @@ def test_a_source_that_cannot_be_drawn_is_refused(source, subject, value):
 
     with refused_input(subject=subject, value=value):
         NoiseSources(pixel=OwnPixel(pitch_um=5.0, full_well_e=1e5, read_noise_e=0.5))
+
+
+def test_a_source_whose_function_reads_what_has_changed_is_asked_again():
+    strength = [2.0]
+    source = replace(GOOD, value=lambda of: strength[0] ** 2)
+
+    class OwnPixel(Pixel):
+        own_noise = (source,)
+
+    pixel = OwnPixel(pitch_um=5.0, full_well_e=1e5, read_noise_e=1.0)
+    sensor = replace(sensor_named("onyx-rgb"), pixel=pixel)
+    before = noise_sources(sensor).floor_e2()
+    strength[0] = 3.0
+    assert noise_sources(sensor).floor_e2() - before == 3.0**2 - 2.0**2

@@ -36,6 +36,15 @@ def test_the_starter_runs_as_it_is_and_again_to_the_same_bytes(run, done, starte
         assert files_of(tmp_path / "again") == first
 
 
+def test_results_that_were_moved_and_linked_are_done(run, starter, tmp_path):
+    starter.write_text('schema = 1\n[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\n')
+    assert run("run", "study.toml")[0] == 0
+    (picture,) = (tmp_path / "out" / "study").glob("*.png")
+    picture.rename(tmp_path / "elsewhere.png")
+    picture.symlink_to(tmp_path / "elsewhere.png")
+    assert run("run", "study.toml")[2].count("(already done)") == 2
+
+
 def test_init_never_takes_the_place_of_a_file(run, starter):
     starter.write_text("mine")
     refused(run("init"), subject="study.toml")

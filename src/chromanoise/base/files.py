@@ -481,10 +481,13 @@ def _list_own(folder: Path, own: Mapping[str, _Own], *, like: Path | None = None
         _keep_mode(like / OWN_FILES, folder / OWN_FILES)
 
 
-def digest_of(file: Path) -> str | None:
-    """SHA-256 of a regular file; ``None`` if it is another kind of file or cannot be read."""
+def digest_of(file: Path, *, linked: bool = False) -> str | None:
+    """SHA-256 of a regular file, or also of one that is ``linked``.
+
+    ``None`` if it is another kind of file or cannot be read.
+    """
     with suppress(OSError, ValueError):
-        if stat.S_ISREG(file.lstat().st_mode):
+        if stat.S_ISREG(file.stat(follow_symlinks=linked).st_mode):
             with file.open("rb") as opened:
                 return hashlib.file_digest(opened, "sha256").hexdigest()
     return None

@@ -39,13 +39,12 @@ if not TYPE_CHECKING:
 
 
 class _Arguments(NamedTuple):
-    """Of the constructor of a class, by name; and the fields that are compared."""
+    """Of the constructor of a class, by name."""
 
     names: set[str]
     defaults: dict[str, Any]
     factories: dict[str, Callable[[], Any]]
     positional: list[str]
-    compared: list[str]
 
 
 class _LazyArguments:
@@ -60,7 +59,6 @@ class _LazyArguments:
                 one.name: made for one in known if (made := one.default_factory) is not MISSING
             },
             positional=[one.name for one in known if not one.kw_only],
-            compared=[one.name for one in fields(cls) if one.compare],
         )
         return found
 
@@ -135,7 +133,10 @@ def _repr(self: Any) -> str:
 
 def _compared(one: Any) -> tuple[Any, ...]:
     values: dict[str, Any] = one.__dict__
-    return tuple([values[name] for name in type(one)._arguments.compared])
+    known = vars(type(one)).get("_compared")
+    if known is None:  # also of a subclass that another decorator has made
+        known = type(one)._compared = [field.name for field in fields(one) if field.compare]
+    return tuple([values[name] for name in known])
 
 
 def _equal(self: Any, other: object) -> Any:
@@ -153,27 +154,29 @@ def _refuse(self: Any, name: str, *value: Any) -> NoReturn:
 
 
 def kept(function: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
-    """A decorator: what a function finds of an object is computed once, and goes with the object.
+    """A decorator: what a function finds of an object is kept as long as the object lives.
 
-    For objects that are compared by identity. What is found must not hold the object, which would
-    stay in memory with it.
+    Results must not be changed, and must not hold the object, which would stay in memory with them.
 
     Parameters
     ----------
     function
-        Of one object whose values never change, and of others that are compared by value; all of
-        them without names. Of one object, what is found for the last 64 others is kept, or less.
+        Of positional arguments that never change. The first is compared by identity, the others by
+        hash; neither of these may hold the first. After 64 results for one object, all of them are
+        dropped. If an argument cannot be hashed, nothing is kept.
     """
     known: WeakKeyDictionary[Any, dict[tuple[Any, ...], Any]] = WeakKeyDictionary()
 
     @wraps(function)
     def found(of: Any, /, *others: Any) -> _Result:
-        own = known.get(of)
-        if own is None:
-            own = known[of] = {}
-        result = own.get(others, MISSING)
-        if result is MISSING:  # another thread may empty what is kept at any time
+        try:
+            own = known.get(of)
+            result = MISSING if own is None else own.get(others, MISSING)
+        except TypeError:
+            return function(of, *others)  # type: ignore[call-arg]
+        if result is MISSING:  # `get`, because another thread may drop the results at any time
             result = function(of, *others)  # type: ignore[call-arg]
+            own = known.setdefault(of, {})
             if len(own) >= _MOST_KEPT:
                 own.clear()
             own[others] = result

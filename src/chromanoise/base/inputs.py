@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from chromanoise.base.check import reason
 from chromanoise.base.errors import InputError
 
 MOST_DEPTH = 64
@@ -54,8 +55,8 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
     try:
         status = path.stat()
     except (OSError, ValueError) as error:  # a null byte in a name is a ValueError
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(str(path)[:200], f"cannot be read ({reason})") from None
+        why = getattr(error, "strerror", None) or error
+        raise InputError(str(path)[:200], f"cannot be read ({why})") from None
     mode = status.st_mode
     inherited = path.absolute().parent in (Path("/dev"), Path("/dev/fd"))
     if (
@@ -74,7 +75,8 @@ def system_errors_of(path: Path | str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+        why = reason(error) or type(error).__name__
+        raise InputError(str(path), f"cannot be read ({why})") from None
 
 
 def first_bytes(path: Path, count: int, *, pipe: bool = False) -> bytes:

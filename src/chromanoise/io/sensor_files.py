@@ -10,7 +10,7 @@ from typing import Any, cast, get_args
 
 import numpy as np
 
-from chromanoise.base import Remedy, Setting, __version__, check, json_text, kept
+from chromanoise.base import Remedy, Setting, __version__, check, json_text
 from chromanoise.io.curve_files import read_curves
 from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.parsed import (
@@ -19,7 +19,6 @@ from chromanoise.io.spectra.parsed import (
     SPECTRA_SCHEMA,
     Answers,
     Found,
-    ParsedSpectra,
     array_of,
     held_json,
     number_of,
@@ -198,17 +197,11 @@ def read_sensor(
         If the file cannot be parsed, required metadata is missing, a QE lies outside 0 .. 1, or
         the curves do not cover the grid.
     """
-    named = (path.source, path.source) if isinstance(path, Found) else _names(Path(path))
-    return _of_parsed(read_curves(path, answers=answers), answers, named, grid, pixel)
-
-
-@kept
-def _of_parsed(
-    parsed: ParsedSpectra, answers: Answers, named: tuple[str, str], grid: Grid, pixel: Pixel
-) -> Sensor:
+    parsed = read_curves(path, answers=answers)
     curves = qe_of(parsed, answers)
     percent = Setting("scale", ("percent",))
     remedy = percent if curves.values.max() > 1 else SMALL_NEGATIVES
+    named = (path.source, path.source) if isinstance(path, Found) else _names(Path(path))
     return _sensor(named, curves, grid, pixel, answers.beyond, remedy=remedy)
 
 

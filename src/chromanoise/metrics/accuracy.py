@@ -15,7 +15,6 @@ from chromanoise.base import (
     InputError,
     check,
     dataclass,
-    frozen,
     kept,
     lstsq,
     solve,
@@ -137,10 +136,11 @@ def chart_lab(
     chart
         Reflectances of the patches; those of the ColorChecker if ``None``.
     """
-    return _chart_lab(sensor, matrix, exposure, illuminant, chart)
+    lab = _chart_lab(sensor, matrix, exposure, illuminant, chart)
+    return None if lab is None else (lab[0].copy(), lab[1].copy())
 
 
-@kept  # the same at all levels of a sweep
+@kept  # for all levels of a sweep
 def _chart_lab(
     sensor: Sensor,
     matrix: ColorMatrix,
@@ -153,7 +153,7 @@ def _chart_lab(
     if not (seen[0] > 0).all():
         return None
     truth = balanced_cielab(_balanced_truth(illuminant, matrix.observer, chart))
-    return frozen(truth), frozen(balanced_cielab(seen[1:] / seen[0]))
+    return truth, balanced_cielab(seen[1:] / seen[0])
 
 
 def mean_chart_errors(
@@ -215,7 +215,7 @@ def balanced_charts(
     seen = expected_electrons(scene, sensor, exposure) @ np.swapaxes(matrices, -1, -2)
     known = (seen[:, 0] > 0).all(axis=-1)
     white = np.where(known[:, None], seen[:, 0], np.nan)
-    return _balanced_truth(illuminant, observer, chart), seen[:, 1:] / white[:, None]
+    return _balanced_truth(illuminant, observer, chart).copy(), seen[:, 1:] / white[:, None]
 
 
 def balanced_truth(point: OperatingPoint) -> Float[Array, "c 3"]:
@@ -226,7 +226,7 @@ def balanced_truth(point: OperatingPoint) -> Float[Array, "c 3"]:
     point
         Its light, chart and observer.
     """
-    return _balanced_truth(point.illuminant, point.observer, point.chart)
+    return _balanced_truth(point.illuminant, point.observer, point.chart).copy()
 
 
 @kept
@@ -234,7 +234,7 @@ def _balanced_truth(
     illuminant: Illuminant, observer: str, chart: Spectra | None
 ) -> Float[Array, "c 3"]:
     truth = scene_xyz(_white_and_chart(illuminant, chart), "energy", observer)
-    return frozen(truth[1:] / truth[0])
+    return np.asarray(truth[1:] / truth[0])
 
 
 def _white_and_chart(illuminant: Illuminant, chart: Spectra | None) -> Scene:

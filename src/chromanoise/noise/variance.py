@@ -271,15 +271,17 @@ class NoiseSources(PixelReading):
         kind
             All noise, what changes from frame to frame, or what is the same in every frame.
         """
-        if kind not in self._laws:
+        laws = self._laws
+        found = laws.get(kind)
+        if found is None:
             ways = FIXED if kind == "spatial" else ALL
             but = FIXED if kind == "temporal" else ()
-            self._laws[kind] = VarianceLaw(
+            found = laws[kind] = VarianceLaw(
                 floor_e2=self.coefficient("floor_e2", ways, but),
                 slope_e=self.coefficient("slope_e", ways, but),
                 square=self.coefficient("square", ways, but),
             )
-        return self._laws[kind]
+        return found
 
     @cached_property
     def _laws(self) -> dict[str, VarianceLaw]:
@@ -551,11 +553,12 @@ def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSour
     InputError
         If the pixel has a dark current and no exposure is given.
     """
-    return _noise_sources(sensor, exposure)
+    # the functions of a user's sources may depend on what changes
+    make = _made_anew if sensor.pixel.own_noise else _noise_sources
+    return make(sensor, exposure)
 
 
-@kept
-def _noise_sources(sensor: Sensor, exposure: Exposure | None) -> NoiseSources:
+def _made_anew(sensor: Sensor, exposure: Exposure | None) -> NoiseSources:
     pixel = sensor.pixel
     if exposure is None and pixel.dark_current_e_per_s:
         raise InputError(
@@ -572,6 +575,9 @@ def _noise_sources(sensor: Sensor, exposure: Exposure | None) -> NoiseSources:
         pattern=crosstalk_pattern(sensor.crosstalk),
         readings=int(pixel.summed_readings) if step_e else 1,
     )
+
+
+_noise_sources = kept(_made_anew)
 
 
 def demand_independent_channels(sensor: Sensor) -> None:

@@ -17,7 +17,6 @@ Both metrics give the same number of electrons F^T L and the same illuminance H^
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
@@ -104,10 +103,10 @@ class Grid:
         """Number of wavelengths."""
         return round((self.stop_nm - self.start_nm) / self.step_nm) + 1
 
-    @cached_property
+    @property
     def wavelength_nm(self) -> Float[Array, " n"]:
         """The wavelengths. [nm]"""
-        return check.frozen(self.start_nm + self.step_nm * np.arange(self.n))
+        return self.start_nm + self.step_nm * np.arange(self.n)
 
     def __str__(self) -> str:
         return f"{self.start_nm:g}-{self.stop_nm:g} nm @{self.step_nm:g}"

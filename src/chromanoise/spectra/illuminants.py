@@ -84,7 +84,6 @@ class Illuminant:
         check.keep(self, irradiance=checked)
 
 
-@kept
 def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
     """The i(lambda) of eq. 1: photon irradiance at one lux. [photons s-1 um-2 nm-1 lx-1]
 
@@ -94,8 +93,13 @@ def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
     >>> round(float(visible.sum()))          # photons per lux, second and um2
     11419
     """
+    return _photon_irradiance(illuminant).copy()
+
+
+@kept
+def _photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
     per_joule = photons_per_joule(illuminant.grid.wavelength_nm)
-    return check.frozen(illuminant.irradiance * per_joule / UM2_PER_M2)
+    return illuminant.irradiance * per_joule / UM2_PER_M2
 
 
 def equal_energy(grid: Grid) -> Illuminant:

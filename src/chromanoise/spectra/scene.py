@@ -202,7 +202,7 @@ def bands_within(cube: Cube, grid: Grid) -> Cube:
     last = int(np.searchsorted(cube.wavelength_nm, grid.stop_nm, side="left"))
     keep, bands = slice(max(first, 0), last + 1), cube.wavelength_nm.size
     kept = len(range(*keep.indices(bands)))
-    if kept < 2 or kept == bands:  # no overlap: the resampling raises the error
+    if kept == bands or kept < 2:  # without overlap, the resampling raises the error
         return cube
     return replace(
         cube, wavelength_nm=cube.wavelength_nm[keep], stored=with_bands(cube.stored, keep)

@@ -564,5 +564,5 @@ def _of_any_light(
     metric: Metric,
     parameters: tuple[tuple[str, Any], ...],
 ) -> ColorMatrix:
-    """The matrix of one exposure, cached: it is the same at every light level."""
+    """The matrix of one exposure, which is the same at every light level."""
     return make(sensor, exposure, training, level_lux=1.0, metric=metric, **dict(parameters))

@@ -435,7 +435,9 @@ def _made_by(file: Path, hash_: str) -> bool:
     written = record.get("written")
     if not isinstance(record.get("result"), dict) or not isinstance(written, dict):
         return False
-    return all(digest_of(file.parent / name) == digest for name, digest in written.items())
+    return all(
+        digest_of(file.parent / name, linked=True) == digest for name, digest in written.items()
+    )
 
 
 def _pictures_of(file: Path) -> list[str]:

@@ -112,6 +112,7 @@ def _said(facts: Mapping[str, str], keys: Mapping[str, str]) -> dict[str, Any]:
 def _delimiter(lines: list[tuple[int, str]]) -> str:
     """The delimiter with which most lines are rows of two or more numbers; in a tie, the first.
 
+    If only one of them divides any line, it is that one.
     If no line is such a row, the first one or two cells of each line are ignored as words, and
     then all words of lines with two numbers or more.
     """
