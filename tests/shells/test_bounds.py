@@ -15,8 +15,8 @@ from chromanoise.sensor import PIXEL, Pixel
 from chromanoise.study import FUNCTIONS, read_study, study_from_data
 from chromanoise.study.schema import KEYS
 from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.page_studies import Studies
-from chromanoise.web.questions import QuestionError
 from chromanoise.web.uploads import Uploads
 from outcomes import refused
 

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from chromanoise.study import study_from_text
-from chromanoise.web.questions import QuestionError
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.services import Services
 from fronts import front_of_ir_cuts
 

@@ -19,8 +19,8 @@ from chromanoise.base.errors import InputError, errors_in
 from chromanoise.cli.entry import commands
 from chromanoise.study import FUNCTIONS, flags_of, option_of
 from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.page_studies import Studies
-from chromanoise.web.questions import QuestionError
 from chromanoise.web.uploads import Uploads
 
 SENSORS = ["onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "model-mono", "model-rgbir", "cam.csv"]

@@ -26,8 +26,8 @@ from chromanoise.study import (
 )
 from chromanoise.study.resolve_names import object_word
 from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.page_studies import Studies
-from chromanoise.web.questions import QuestionError
 from outcomes import refused, refused_input
 
 pd = pytest.importorskip("pandas")

@@ -13,8 +13,8 @@ from chromanoise.charts import Look, as_data, card_of, chart_csv, drawing, shown
 from chromanoise.charts.card import MOST_ON_CARD
 from chromanoise.cli.entry import run as run_command
 from chromanoise.study import study_from_data
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.page_studies import Studies
-from chromanoise.web.questions import QuestionError
 from chromanoise.web.saved_files import report_reply
 from chromanoise.web.services import STUDY
 from chromanoise.web.uploads import Kept, Upload, Uploads

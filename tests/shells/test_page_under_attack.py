@@ -33,8 +33,8 @@ from chromanoise.io.matlab import mat_array
 from chromanoise.io.sensor_files import sensor_json
 from chromanoise.study import sensor_named
 from chromanoise.web import processes, requests, worker
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.processes import Workers
-from chromanoise.web.questions import QuestionError
 from chromanoise.web.requests import Bodies
 from chromanoise.web.server import _Server
 from chromanoise.web.services import Services

@@ -14,9 +14,9 @@ from chromanoise.base.errors import errors_in
 from chromanoise.io.sensor_files import sensor_from_json, sensor_json
 from chromanoise.sensor import EXTRA_NOISE, Converter
 from chromanoise.study import read_study, sensor_with_pixel, study_from_data
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.page_studies import Studies, files_of, served_data
 from chromanoise.web.previews import PictureReplies
-from chromanoise.web.questions import QuestionError
 from chromanoise.web.uploads import Uploads
 from outcomes import refused
 

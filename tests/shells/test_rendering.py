@@ -10,7 +10,7 @@ from chromanoise.base.errors import InputError, Setting, StudyError, in_study
 from chromanoise.base.files import renamed
 from chromanoise.cli.output import sentences
 from chromanoise.study import in_arguments, study_from_text
-from chromanoise.web.questions import page_sentence
+from chromanoise.web.page_questions import page_sentence
 
 ENDS = Setting("sensors.0.beyond", ("zero", "hold"))
 LAMP_ENDS = Setting("light.beyond", ("zero", "hold"))

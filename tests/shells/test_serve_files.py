@@ -15,9 +15,9 @@ from chromanoise.study import read_study, run_study, study_from_data, study_from
 from chromanoise.study.hashes import file_words, with_file_words
 from chromanoise.web import answers as answering
 from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.page_studies import MOST_SENSORS, Studies, files_of, served_data
 from chromanoise.web.previews import PictureReplies
-from chromanoise.web.questions import QuestionError
 from chromanoise.web.services import Services
 from outcomes import refused, refused_input
 

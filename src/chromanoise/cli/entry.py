@@ -77,7 +77,7 @@ COMMANDS = {
         "Noise of sensors in raw, spectral and color coordinates, side by side.",
     ),
     "card": (
-        "card",
+        "card_command",
         "One sheet that compares sensors, for slides and paper: PDF, SVG, PNG or HTML.",
     ),
     "simulate": (
@@ -110,7 +110,10 @@ COMMANDS = {
     "diff": ("study_files", "Which inputs, settings and numbers of two outputs differ."),
     "schema": ("study_files", "The keys in the JSON of a command, as JSON Schema."),
     "study": ("study_files", "A commented study file; --schema lists all keys, for editors."),
-    "league": ("league", "Cameras of the catalog ranked by color and noise, yours among them."),
+    "league": (
+        "league_command",
+        "Cameras of the catalog ranked by color and noise, yours among them.",
+    ),
     "catalog": (
         "catalog_command",
         "Built-in sensors, lights and filters, with source, range and known defects.",

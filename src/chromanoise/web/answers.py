@@ -14,8 +14,8 @@ from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.study import Study, study_as_command, study_as_python, study_as_toml
+from chromanoise.web.page_questions import QuestionError, field, malformed, page_sentence
 from chromanoise.web.page_studies import Remembered, Stamps, Studies, labeled, spoken, stamps_of
-from chromanoise.web.questions import QuestionError, field, malformed, page_sentence
 from chromanoise.web.uploads import Upload
 
 T = TypeVar("T")

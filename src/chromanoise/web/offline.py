@@ -4,7 +4,7 @@ import traceback
 from dataclasses import field
 
 from chromanoise.base import dataclass
-from chromanoise.web.questions import QuestionError, faults_json
+from chromanoise.web.page_questions import QuestionError, faults_json
 from chromanoise.web.services import Services
 from chromanoise.web.uploads import Uploads, label_of
 

@@ -30,7 +30,12 @@ from chromanoise.study import (
     with_file_words,
     without_idle_settings,
 )
-from chromanoise.web.questions import MOST_ENTRIES, QuestionError, page_sentence, refuse_long_lists
+from chromanoise.web.page_questions import (
+    MOST_ENTRIES,
+    QuestionError,
+    page_sentence,
+    refuse_long_lists,
+)
 from chromanoise.web.uploads import Kept, Upload, in_path, in_words
 
 T = TypeVar("T")

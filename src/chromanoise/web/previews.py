@@ -39,8 +39,8 @@ from chromanoise.study import (
     study_from_text,
     with_distinct_names,
 )
+from chromanoise.web.page_questions import QuestionError, field, malformed, page_sentence
 from chromanoise.web.page_studies import Remembered, Studies, served_data, spoken, stamps_of
-from chromanoise.web.questions import QuestionError, field, malformed, page_sentence
 from chromanoise.web.uploads import Upload, in_words
 
 MOST_VALUES = 64_000_000

@@ -24,7 +24,7 @@ from queue import SimpleQueue
 from typing import Any, BinaryIO
 
 from chromanoise.base import dataclass, exit_code, sandbox, started_python
-from chromanoise.web.questions import QuestionError
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.uploads import Upload
 
 _SIZE = struct.calcsize("q")

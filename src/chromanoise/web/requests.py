@@ -18,7 +18,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from chromanoise.base import dataclass, palette_css
-from chromanoise.web.questions import QuestionError, faults_json
+from chromanoise.web.page_questions import QuestionError, faults_json
 
 JSON_BYTES = 1_000_000
 UPLOAD_BYTES = 12_000_000

@@ -10,8 +10,8 @@ from chromanoise.base import InputError, from_above
 from chromanoise.charts import Shown, shown
 from chromanoise.imaging import Work
 from chromanoise.study import Study, file_words, files_of_word
+from chromanoise.web.page_questions import field
 from chromanoise.web.page_studies import Studies, labeled, made_at
-from chromanoise.web.questions import field
 from chromanoise.web.report_of_study import sights_of, study_report
 from chromanoise.web.uploads import Upload
 

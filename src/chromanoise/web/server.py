@@ -20,8 +20,8 @@ from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from chromanoise.web.page_questions import QuestionError, faults_json, malformed
 from chromanoise.web.processes import Workers
-from chromanoise.web.questions import QuestionError, faults_json, malformed
 from chromanoise.web.requests import (
     UPLOAD_BYTES,
     Bodies,

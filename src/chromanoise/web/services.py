@@ -11,9 +11,9 @@ from chromanoise.imaging.denoising import DENOISING
 from chromanoise.study import ExposurePart, LightPart, study_from_data
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.controls import choices
+from chromanoise.web.page_questions import QuestionError, data_of
 from chromanoise.web.page_studies import Studies, files_of
 from chromanoise.web.previews import PictureReplies, preview_of
-from chromanoise.web.questions import QuestionError, data_of
 from chromanoise.web.story import story
 from chromanoise.web.uploads import Kept, Upload
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from chromanoise.base import dataclass
-from chromanoise.web.questions import QuestionError
+from chromanoise.web.page_questions import QuestionError
 
 MOST_FILES = 256
 MOST_BYTES = 128_000_000

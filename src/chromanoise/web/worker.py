@@ -26,7 +26,7 @@ from chromanoise.base import (
     stopped_after,
 )
 from chromanoise.imaging import watch_compiling
-from chromanoise.web.questions import QuestionError
+from chromanoise.web.page_questions import QuestionError
 from chromanoise.web.services import Services
 from chromanoise.web.uploads import Kept, Upload
 
