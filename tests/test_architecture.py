@@ -147,6 +147,11 @@ def test_every_folder_is_named_in_the_map_of_the_package():
     assert named == folders
 
 
+def test_no_two_modules_have_one_name():
+    names = [path.name for path in PACKAGE.rglob("*.py") if path.name != "__init__.py"]
+    assert [name for name in set(names) if names.count(name) > 1] == []
+
+
 def test_no_module_but_one_calls_a_linear_solver():
     """LAPACK may loop forever over a number that is not finite; `linalg` checks first."""
     found = set()

@@ -29,7 +29,7 @@ CUBES = '''"""Cubes as text: rows, columns and bands, the wavelengths, and the n
 
 import numpy as np
 
-from chromanoise.io.cubes.raw_cube import Found, refuse_other_shape
+from chromanoise.io.cubes.found_cube import Found, refuse_other_shape
 
 
 def text_cube(path, shape):
@@ -43,12 +43,12 @@ def text_cube(path, shape):
 '''
 EDITS = {
     "io/curve_files.py": (
-        "from chromanoise.io.envi_layout import",
+        "from chromanoise.io.envi import",
         "from chromanoise.io.toy import is_toy, read_toy\n",
         "    (is_cgats, read_cgats),\n", "    (is_toy, read_toy),\n",
     ),
     "io/cubes/cube_files.py": (
-        "from chromanoise.io.cubes.raw_cube import (",
+        "from chromanoise.io.cubes.found_cube import (",
         "from chromanoise.io.text_cube import text_cube\n",
         '    CubeFormat(shown=".npz"',
         '    CubeFormat(shown=".textcube", matches=_ends(".textcube"), cube=text_cube),\n',

@@ -16,7 +16,7 @@ import pytest
 
 from chromanoise.base.check import reason
 from chromanoise.base.errors import InputError
-from chromanoise.io.cubes import raw_cube as bounds, read_cube
+from chromanoise.io.cubes import found_cube as bounds, read_cube
 from chromanoise.spectra.scene_rows import row_source
 from outcomes import refused_input
 

@@ -6,7 +6,7 @@ from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.io.curve_files import read_curves
-    from chromanoise.io.envi_layout import DATA_SUFFIXES, envi_pair, library_files
+    from chromanoise.io.envi import DATA_SUFFIXES, envi_pair, library_files
     from chromanoise.io.matrix_files import (
         MATRIX_ENDINGS,
         GivenMatrix,

@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from chromanoise.base import InputError, regular_file
-from chromanoise.io.envi_layout import envi_library, envi_pair, read_envi_library
+from chromanoise.io.envi import envi_library, envi_pair, read_envi_library
 from chromanoise.io.matlab import is_matlab
 from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.delimited import is_cgats, read_cgats, read_delimited, read_workbook

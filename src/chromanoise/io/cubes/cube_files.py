@@ -26,9 +26,7 @@ from chromanoise.base import (
     system_errors_of,
 )
 from chromanoise.io.cubes.cube_metadata import interpreted
-from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS, hdf5_store, is_hdf5
-from chromanoise.io.cubes.labeled import Store, array_store, labeled_cube
-from chromanoise.io.cubes.raw_cube import (
+from chromanoise.io.cubes.found_cube import (
     Found,
     Notes,
     picture,
@@ -36,9 +34,11 @@ from chromanoise.io.cubes.raw_cube import (
     refuse_impossible,
     refuse_other_shape,
 )
+from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS, hdf5_store, is_hdf5
+from chromanoise.io.cubes.labeled import Store, array_store, labeled_cube
 from chromanoise.io.cubes.tiff import ENDINGS as TIFF_ENDINGS, tiff_cube
 from chromanoise.io.cubes.zarr_store import is_zarr, zarr_store
-from chromanoise.io.envi_layout import (
+from chromanoise.io.envi import (
     DATA_SUFFIXES,
     envi_pair,
     envi_pixels,

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise.base import Array, Float, Setting, Shaped, check
-from chromanoise.io.cubes.raw_cube import Found, Notes
+from chromanoise.io.cubes.found_cube import Found, Notes
 from chromanoise.io.source_files import errors_within, real_of, refused, small_text
 from chromanoise.io.spectra.declared import (
     NM_PER,

@@ -31,8 +31,8 @@ from chromanoise.base import (
     refuse_absent_package,
     sandbox,
 )
+from chromanoise.io.cubes.found_cube import memory_bytes, packed_rows, reading
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
-from chromanoise.io.cubes.raw_cube import memory_bytes, packed_rows, reading
 from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.declared import SPECTRAL_NAMES
 from chromanoise.spectra import RowSource

@@ -26,7 +26,7 @@ from chromanoise.base import (
     printable,
 )
 from chromanoise.io.cubes.cube_metadata import interpreted
-from chromanoise.io.cubes.raw_cube import (
+from chromanoise.io.cubes.found_cube import (
     MOST_INFLATED,
     Found,
     Notes,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise.base import Array, InputError, Setting, Shaped, json_of, optional_package, sandbox
-from chromanoise.io.cubes.raw_cube import (
+from chromanoise.io.cubes.found_cube import (
     MOST_INFLATED,
     Found,
     Wavelengths,

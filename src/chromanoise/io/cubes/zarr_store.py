@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from chromanoise.base import Array, Shaped, json_file, optional_package, printable, regular_file
+from chromanoise.io.cubes.found_cube import MOST_INFLATED, Notes, memory_bytes, reading
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
-from chromanoise.io.cubes.raw_cube import MOST_INFLATED, Notes, memory_bytes, reading
 from chromanoise.io.source_files import refused
 from chromanoise.spectra import RowSource
 

@@ -21,7 +21,7 @@ from chromanoise.base import (
     refuse_absent_package,
     sandbox,
 )
-from chromanoise.io.cubes.raw_cube import reading, reading_rows, refuse_impossible
+from chromanoise.io.cubes.found_cube import reading, reading_rows, refuse_impossible
 from chromanoise.io.cubes.tiff import (
     decoded_pages,
     is_plain,

@@ -27,7 +27,7 @@ from chromanoise.base import (
     system_errors_of,
 )
 from chromanoise.io.cubes.cube_files import npy_array, npy_header, npz_arrays
-from chromanoise.io.cubes.raw_cube import reading, reading_rows, refuse_impossible
+from chromanoise.io.cubes.found_cube import reading, reading_rows, refuse_impossible
 from chromanoise.io.frames.camera_raw import camera_name, number_of_tag, raw_frames, tiff_frames
 from chromanoise.io.frames.frame import (
     RawFrame,
