@@ -144,7 +144,8 @@ def descended(document: DesignStudy, starts: int = STARTS) -> list[str]:
     reached = []
     for i in range(2):
         reference = np.where(np.arange(len(scale)) == i, 0.0, np.inf)
-        ends = _Descents(problem, first, np.tile(reference, (len(first), 1)), scale).ends()
+        every, target = np.tile(reference, (len(first), 1)), np.full(len(first), np.inf)
+        ends = _Descents(problem, first, every, scale, target).ends()
         found = problem.evaluate(ends)
         reached.append(
             [

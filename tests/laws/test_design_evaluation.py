@@ -260,7 +260,7 @@ def test_one_channel_has_the_snr_of_its_electrons_whatever_its_angle():
     scene, qe = plain_scene(p=1), bells(np.random.default_rng(5), 4, 1)
     evaluator = Objectives(scenes=(scene,), objectives=("snr_y_db",))
     found = evaluator.values(Candidates(qe=qe))
-    electrons = evaluator.share_of_full_well(Candidates(qe=qe)) * QUIET.full_well_e
+    electrons = evaluator.values_and_fullness(Candidates(qe=qe))[1] * QUIET.full_well_e
     np.testing.assert_allclose(found[:, 0], 20 * np.log10(electrons / np.sqrt(electrons + 9)))
 
 
@@ -281,7 +281,9 @@ def test_the_best_pixel_shares_are_proportional_to_the_weighted_noise():
 
 def of_white(scene, qe):
     one = Objectives(scenes=(scene,), objectives=("snr_y_db",))
-    each = [one.share_of_full_well(Candidates(qe=qe[None, :, [i]]))[0] for i in range(qe.shape[1])]
+    each = [
+        one.values_and_fullness(Candidates(qe=qe[None, :, [i]]))[1][0] for i in range(qe.shape[1])
+    ]
     return np.array(each) * QUIET.full_well_e
 
 
@@ -399,7 +401,7 @@ def test_a_saturated_candidate_has_the_worst_values_and_never_nan():
     scene, names = plain_scene(time_s=10.0), tuple(OBJECTIVES)
     evaluator = Objectives(scenes=(scene,), objectives=names)
     own = Candidates(qe=bells(np.random.default_rng(10), 1, 3))
-    assert evaluator.share_of_full_well(own)[0] > 1
+    assert evaluator.values_and_fullness(own)[1][0] > 1
     found = dict(zip(names, evaluator.values(own)[0], strict=True))
     assert (found["snr_y_db"], found["delta_e"]) == (-np.inf, np.inf)
     assert (found["least_separation"], found["information_bits"]) == (-np.inf, -np.inf)

@@ -218,6 +218,13 @@ def test_a_correction_onto_a_constraint_stops_where_the_objective_is_undefined()
     assert np.isfinite(better.found.violation).all()
 
 
+def test_only_parts_with_equal_numbers_are_exchanged():
+    plain = problem_of(lambda *x: ([sum(x)], []), [0.0] * 6, [1.0] * 6, better=("lower",))
+    assert plain.exchanges.shape == (0, 6)
+    names = "cut.at_nm", "R.center_nm", "R.width_nm", "W.width_nm", "W.center_nm", "G.gap_nm"
+    np.testing.assert_array_equal(replace(plain, names=names).exchanges, [[0, 4, 3, 2, 1, 5]])
+
+
 def test_polish_finds_a_feasible_candidate_where_the_search_has_none():
     problem = problem_of(
         lambda a, b, c: (

@@ -23,9 +23,10 @@ from chromanoise.apps.design.pareto_front import (
 from chromanoise.base import Array, Bool, Float, Int64, dataclass, inv, solve
 
 _RADIUS, _LARGEST_RADIUS, _LEAST_RADIUS = 0.2, 0.3, 1e-5  # of the box, as shares of the ranges
-_ITERATIONS = 100  # of a descent
-_GAIN = 1e-6  # of the scale of the costs; a descent ends when several steps gain less
+_ITERATIONS = 60  # of a descent
+_GAIN = 1e-5  # of the scale of the costs; a descent ends when several steps gain less
 _SMALL_GAINS = 3
+_KEPT_PACE, _REACH = 0.85, 5.0  # share of the gains that counts after a step; how far they reach
 _PREDICTED = 1e-9  # gain of the model below which a descent ends
 _MARGIN = 1e-7  # kept from each constraint, which the model meets within rounding only
 _STEPS = np.array([1.0, 1.0, 0.6, 0.3, 0.1, 0.03])  # the first one is corrected
@@ -48,6 +49,7 @@ _DRAWN = 2000  # points between members, of which the references of a round are 
 _DEPTH = 0.15  # of the geometric distribution of the rank of a start
 _FROM_PARENT, _RENEWED = 0.6, 0.2  # shares of the parameters in a crossed and a changed start
 _UNCHANGED, _CROSSED_STARTS = 0.2, 0.6  # quantiles of the kinds of a start
+_EXCHANGED = 0.25  # share of the starts with two exchanged parts
 _CELL = 2  # decimals of the parameters within which two members are one
 _ROUNDS = 40  # at most, before the last
 _SETTLED, _SETTLED_ROUNDS = 1e-3, 3  # mean gain of the references; rounds that must gain less
@@ -106,16 +108,15 @@ def improved(
     alone = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
     reference, scale = np.resize(alone, (len(starts), count)), _scale(pool.costs)
     ends, gradients, settled, is_last = list[Assessed](), 0, 0, False
+    target = _excesses(pool.costs, reference, scale).min(axis=1, initial=np.inf)
     while not is_stopped():
-        descents = _Descents(problem, starts, reference, scale)
+        descents = _Descents(problem, starts, reference, scale, target)
         ends.append(assessed(problem, descents.ends()))
         gradients += descents.gradients
         new = ends[-1].some(ends[-1].feasible)
         if len(pool.values) and len(new.values):
-            before, after = (
-                _excesses(one.costs, reference, scale).min(axis=1) for one in (pool, new)
-            )
-            gain = np.maximum(before - after, 0.0).mean()
+            after = _excesses(new.costs, reference, scale).min(axis=1)
+            gain = np.maximum(target - after, 0.0).mean()
             settled = settled + 1 if gain <= _SETTLED else 0
         pool = pool.joined(new)
         if is_last or not len(pool.values):
@@ -125,8 +126,10 @@ def improved(
         front = pool.costs[non_dominated(pool.costs)]
         scale = _scale(front)
         along = _references(front / scale, _AT_LAST if is_last else _ALONG, rng) * scale
-        reference = np.concatenate([np.repeat(alone, _ALONE, axis=0), along])
+        each = np.repeat(alone, 1 if is_last else _ALONE, axis=0)
+        reference = np.concatenate([each, along])
         excesses = _excesses(pool.costs, reference, scale)
+        target = excesses.min(axis=1)
         starts = (
             pool.values[excesses.argmin(axis=1)]
             if is_last
@@ -156,8 +159,10 @@ def _far_apart(share: Float[Array, "m d"], count: int) -> Int64[Array, " k"]:
 def _excesses(
     costs: Float[Array, "m q"], reference: Float[Array, "k q"], scale: Float[Array, " q"]
 ) -> Float[Array, "k m"]:
-    """Largest scaled excess of the costs over each reference; infinite references do not count."""
-    return ((costs - reference[:, None]) / scale).max(axis=2)
+    """What descents to each reference minimize; infinite references do not count."""
+    own, wanted = costs / scale, reference / scale
+    every = [one - other[:, None] for one, other in zip(own.T, wanted.T, strict=True)]
+    return np.maximum.reduce(every) + _OTHERS * own.sum(axis=1)
 
 
 def _distinct(share: Float[Array, "m d"], costs: Float[Array, "m q"]) -> Int64[Array, " k"]:
@@ -185,7 +190,11 @@ def _starts(
     excesses: Float[Array, "k m"],
     rng: np.random.Generator,
 ) -> Float[Array, "k d"]:
-    """A start for each reference: a good member, a cross of it, or it with changed parameters."""
+    """A start for each reference: a good member, a cross of it, or it with changed parameters.
+
+    In some starts two parts of the design have exchanged their parameters, because the search
+    does not know which of two channels shall have which filter.
+    """
     count, d = len(excesses), pool.shape[1]
     rank = np.minimum(rng.geometric(_DEPTH, count), len(pool)) - 1
     order = np.argsort(excesses, axis=1, kind="stable")
@@ -197,7 +206,12 @@ def _starts(
     changed = np.where(drawn < max(_RENEWED, 1.5 / d), fresh, parents)
     kind = rng.random((count, 1))
     others = np.where(kind < _CROSSED_STARTS, crossed, changed)
-    return np.where(kind < _UNCHANGED, parents, others)
+    starts = np.where(kind < _UNCHANGED, parents, others)
+    if len(orders := problem.exchanges):
+        chosen = np.flatnonzero(rng.random(count) < _EXCHANGED)
+        order = orders[rng.integers(0, len(orders), chosen.size)]
+        starts[chosen] = np.take_along_axis(starts[chosen], order, axis=1)
+    return problem.allowed(starts)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -255,7 +269,8 @@ class _Descents:
     Each minimizes the largest excess of its costs over its reference under the constraints, whose
     violation has a penalty. A step is the minimum of a quadratic model within a box (sequential
     quadratic programming with damped BFGS updates; Nocedal & Wright, 2006, chapter 18), corrected
-    by the curvature of the active rows, or a part of this step.
+    by the curvature of the active rows, or a part of this step. A descent ends early if its recent
+    gains are too small to reach its target, the lowest value that is already known.
     """
 
     def __init__(
@@ -264,8 +279,9 @@ class _Descents:
         values: Float[Array, "n d"],
         reference: Float[Array, "n q"],
         scale: Float[Array, " q"],
+        target: Float[Array, " n"],
     ) -> None:
-        self.gradients = 0
+        self.gradients, self._target = 0, target
         self._problem, self._start = problem, values
         self._free = ~problem.whole
         self._low, self._span = problem.low[self._free], (problem.high - problem.low)[self._free]
@@ -288,6 +304,7 @@ class _Descents:
         first = self._merit(self._share, every)
         self._value, self._misses = first.value, first.misses
         self._best = np.where(first.feasible, first.value, np.inf)
+        self._pace = np.maximum(first.value + self._penalty * first.misses - self._target, 0.0)
         self._best_share = self._share.copy()
         at = self._linearized(every)
         live = np.flatnonzero(at.defined)
@@ -352,6 +369,8 @@ class _Descents:
     def _goes_on(self, live: Array, model: _Step, better: Array, gain: Array) -> Bool[Array, " n"]:
         """Which descents have not ended; an end that violates a constraint has a higher penalty."""
         small = better & (gain < _GAIN)
+        self._pace[live] = _KEPT_PACE * self._pace[live] + np.where(better, gain, 0.0)
+        merit = self._value[live] + self._penalty[live] * self._misses[live]
         count = np.where(better & ~small, 0, self._small[live] + small)
         ended = (self._radius[live] < _LEAST_RADIUS) | (count >= _SMALL_GAINS)
         ended |= model.gain < _PREDICTED
@@ -359,7 +378,7 @@ class _Descents:
         self._small[live] = np.where(again, 0, count)
         self._penalty[live[again]] *= 10
         self._radius[live[again]] = _RADIUS / 10
-        return ~ended | again
+        return (~ended | again) & (merit - self._target[live] <= _REACH * self._pace[live])
 
     def _bend(
         self, live: Array, model: _Step, of: Array, step: Array, old: _Linear, new: _Linear

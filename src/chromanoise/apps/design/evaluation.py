@@ -94,6 +94,7 @@ class DesignScene:
             )
 
     @property
+    @lru_cache(maxsize=64)  # noqa: B019
     def maker(self) -> MatrixMaker:
         """The method of the color matrix."""
         return matrix_makers([self.matrix], self.metric, prior=self.prior)[self.matrix.strip()]
@@ -363,15 +364,21 @@ class Objectives:
         """
         return self._over_scenes(self._real(_chosen(self, choices, curves), self.objectives))
 
-    def share_of_full_well(self, candidates: Candidates) -> Float[Array, " m"]:
-        """Most electrons of a channel on a perfect white over its full well or top code. [1]
+    def values_and_fullness(
+        self, candidates: Candidates
+    ) -> tuple[Float[Array, "m q"], Float[Array, " m"]]:
+        """`values`, and the electrons of a perfect white over full well or top code. [1]
+
+        The latter are those of the channel and the scene that have most.
 
         Parameters
         ----------
         candidates
             As `values`.
         """
-        return self._fullness.values(candidates)[:, 0]
+        found = self._real(_given(self, candidates), self._with_fullness)
+        fullness = found[..., self._with_fullness.index("share_of_full_well")].max(axis=0)
+        return self._over_scenes(found[..., : len(self.objectives)]), fullness
 
     def has_exact_gradients(self, noise_weight_is_free: bool) -> bool:
         """Whether `gradient` is exact for all objectives, by kernels and without differences.
@@ -422,17 +429,20 @@ class Objectives:
         space, values
             As `gradient`.
         """
-        own = self._fullness
-        names = tuple(dict.fromkeys((*self.objectives, *own.objectives)))
+        own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
+        names = self._with_fullness
         turned = _given(self, _turned(space, values))
-        found, slope = replace(self, objectives=names)._slopes(space, values, turned)
+        shape, each = values.shape, []
+        if "least_separation" in self.objectives and self.over_scenes == "worst":
+            each = [_separations(scene, turned, shape) for scene in self.scenes]
+        others = tuple(name for name in names if not (each and OBJECTIVES[name].rows == "paired"))
+        found, slope = replace(self, objectives=others)._slopes(space, values, turned)
+        if each:
+            found, slope = _with_separations(names, others, found, slope, each)
         q, at = len(self.objectives), names.index("share_of_full_well")
         share, rise = own._slopes_over_scenes(found[..., at : at + 1], slope[..., at : at + 1, :])
         objectives, jacobian = self._slopes_over_scenes(found[..., :q], slope[..., :q, :])
-        shape = values.shape
-        apart = [(np.zeros((*shape[:-1], 0)), np.zeros((*shape[:-1], 0, shape[-1])))]
-        if "least_separation" in self.objectives and self.over_scenes == "worst":
-            apart += [_separations(scene, turned, shape) for scene in self.scenes]
+        apart = [(np.zeros((*shape[:-1], 0)), np.zeros((*shape[:-1], 0, shape[-1]))), *each]
         return Linearization(
             objectives=objectives,
             objectives_jacobian=jacobian,
@@ -460,10 +470,11 @@ class Objectives:
                 exact[s] = [_is_fast(scene, turned.weighted, name) for name in self.objectives]
                 independent = (independence >= _LEAST_INDEPENDENCE).reshape(-1, d)
                 exact[s] &= independent.all(axis=1, keepdims=True)
-        for i in np.flatnonzero(~exact.all(axis=(0, 2))):
-            value, rise = self._differences(space, rows[i])
-            found[:, i] = np.where(exact[:, i], found[:, i], value)
-            slope[:, i] = np.where(exact[:, i, :, None], slope[:, i], rise)
+        lost = np.flatnonzero(~exact.all(axis=(0, 2)))
+        if lost.size:
+            value, rise = self._differences(space, rows[lost])
+            found[:, lost] = np.where(exact[:, lost], found[:, lost], value)
+            slope[:, lost] = np.where(exact[:, lost, :, None], slope[:, lost], rise)
         slope = np.where(np.isfinite(found)[..., None] & np.isfinite(slope), slope, 0.0)
         shape = (len(self.scenes), *at.shape[:-1], q)
         return found.reshape(shape), slope.reshape(*shape, d)
@@ -480,22 +491,23 @@ class Objectives:
         )
 
     def _differences(
-        self, space: Space, at: Float[Array, " d"]
-    ) -> tuple[Float[Array, "s q"], Float[Array, "s q d"]]:
+        self, space: Space, at: Float[Array, "m d"]
+    ) -> tuple[Float[Array, "s m q"], Float[Array, "s m q d"]]:
         """The objectives of each scene, and differences within the bounds."""
         low, high = bounds_of(space.parameters)
-        step = np.diag(_DIFFERENCE_STEP * (high - low))
-        above, below = np.minimum(at + step, high), np.maximum(at - step, low)
-        found = self.values_of_scenes(space.candidates(np.vstack([at, above, below])))
-        count = at.size
+        step, (m, d) = np.diag(_DIFFERENCE_STEP * (high - low)), at.shape
+        above, below = np.minimum(at[:, None] + step, high), np.maximum(at[:, None] - step, low)
+        points = np.concatenate([at[:, None], above, below], axis=1).reshape(-1, d)
+        found = self.values_of_scenes(space.candidates(points))
+        found = found.reshape(len(found), m, 2 * d + 1, -1)
         with np.errstate(invalid="ignore"):
-            rise = found[:, 1 : count + 1] - found[:, count + 1 :]
-        width = np.diag(above) - np.diag(below)
-        return found[:, 0], np.swapaxes(rise / width[:, None], 1, 2)
+            rise = found[:, :, 1 : d + 1] - found[:, :, d + 1 :]
+        width = (above - below)[:, np.arange(d), np.arange(d), None]
+        return found[:, :, 0], np.swapaxes(rise / width, 2, 3)
 
     @property
-    def _fullness(self) -> "Objectives":
-        return replace(self, objectives=("share_of_full_well",), over_scenes="worst")
+    def _with_fullness(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((*self.objectives, "share_of_full_well")))
 
     @property
     def _higher(self) -> Bool[Array, " q"]:
@@ -755,6 +767,40 @@ def _separations(
     turns = np.stack([e.imag, variance.imag]).reshape(2, len(at), p * patches, d) / _COMPLEX_STEP
     slope = (weights.reshape(2, len(at), len(one), p * patches) @ turns).sum(axis=0)
     return found.reshape(*shape[:-1], -1), slope.reshape(*shape[:-1], -1, d)
+
+
+def _with_separations(
+    names: tuple[str, ...],
+    others: tuple[str, ...],
+    found: Float[Array, "s *m k"],
+    slope: Float[Array, "s *m k d"],
+    apart: Sequence[tuple[Array, Array]],
+) -> tuple[Float[Array, "s *m q"], Float[Array, "s *m q d"]]:
+    """Columns of all names: those of the others, and the least and mean D_M of the pairs."""
+    fullness = found[..., others.index("share_of_full_well")]
+    columns = {name: (found[..., i], slope[..., i, :]) for i, name in enumerate(others)}
+    least = [(each.min(axis=-1), each.argmin(axis=-1)[..., None, None]) for each, _ in apart]
+    of_pairs = {
+        "least_separation": (
+            [value for value, _ in least],
+            [
+                np.take_along_axis(rise, place, axis=-2)[..., 0, :]
+                for (_, rise), (_, place) in zip(apart, least, strict=True)
+            ],
+        ),
+        "mean_separation": (
+            [each.mean(axis=-1) for each, _ in apart],
+            [rise.mean(axis=-2) for _, rise in apart],
+        ),
+    }
+    for name, (values, rises) in of_pairs.items():
+        value, rise = _finished(OBJECTIVES[name], np.array(values), fullness), np.array(rises)
+        good = np.isfinite(value)[..., None] & np.isfinite(rise)
+        columns[name] = value, np.where(good, rise, 0.0)
+    return (
+        np.stack([columns[name][0] for name in names], axis=-1),
+        np.stack([columns[name][1] for name in names], axis=-2),
+    )
 
 
 def _finished(objective: Objective, value: Array, fullness: Array) -> Inexact[Array, " m"]:

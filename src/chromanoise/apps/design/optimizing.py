@@ -227,14 +227,14 @@ class Evaluation:
     def _costs(self, values: Float[Array, "m d"]) -> Float[Array, "m c"]:
         """Objectives with the sign of costs, then violations."""
         candidates = self.space.candidates(values)
-        found = self.evaluator.values(candidates)
+        found, fullness = self.evaluator.values_and_fullness(candidates)
         costs = found[:, : self.objectives] * self._sign
         dark = (candidates.qe.max(axis=1) < LEAST_QE).any(axis=1)  # cannot be a sensor
         return np.column_stack(
             [
                 np.where(dark[:, None], np.inf, costs),
                 *(one.sign * (found[:, self._place(one)] - one.value) for one in self.limits),
-                self.evaluator.share_of_full_well(candidates) - FULLEST,
+                fullness - FULLEST,
             ]
         )
 

@@ -7,6 +7,7 @@ front dominates another one; a front can be thinned, and has extremes and a knee
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
@@ -215,6 +216,26 @@ class Problem:
     def whole(self) -> Bool[Array, " d"]:
         """Which parameters take whole numbers only."""
         return np.array([name in self.integer for name in self.names])
+
+    @property
+    def exchanges(self) -> Int64[Array, "k d"]:
+        """Orders of the parameters in which two parts with equal numbers have changed places.
+
+        The part is the name before the first dot, as channel R in ``R.center_nm``.
+        """
+        parts: dict[str, dict[str, int]] = {}
+        for place, name in enumerate(self.names):
+            part, _, number = name.partition(".")
+            parts.setdefault(part, {})[number or name] = place
+        alike = [
+            (list(one.values()), [other[number] for number in one])
+            for one, other in combinations(parts.values(), 2)
+            if one.keys() == other.keys()
+        ]
+        orders = np.tile(np.arange(len(self.names)), (len(alike), 1))
+        for order, (one, other) in zip(orders, alike, strict=True):
+            order[one + other] = other + one
+        return orders
 
     def allowed(self, values: Float[Array, "m d"]) -> Float[Array, "m d"]:
         """The values with integer parameters rounded, within the bounds.

@@ -384,9 +384,14 @@ class DesignSpace:
             if isinstance(thickness, int):
                 return beer_lambert(curves, values[:, thickness])
             return curves
-        known = _known_numbers(place, one)
-        numbers = {name: self._number(f"{place}.{name}", values) for name in known}
-        return FILTER_MODELS[one.model].of(self.grid, numbers)
+        known = {name: self._numbers[f"{place}.{name}"] for name in _known_numbers(place, one)}
+        own = values[:, [column for column in known.values() if isinstance(column, int)]]
+        fresh = np.ones(len(own), dtype=bool)  # of neighbors with equal numbers only the first
+        fresh[1:] = (own[1:] != own[:-1]).any(axis=1)
+        some = values[fresh]
+        numbers = {name: self._number(f"{place}.{name}", some) for name in known}
+        found = FILTER_MODELS[one.model].of(self.grid, numbers)
+        return found if fresh.all() or found.ndim == 1 else found[np.cumsum(fresh) - 1]
 
     def shares(self, values: Inexact[Array, "m d"]) -> Inexact[Array, "m p"] | None:
         """Share of the pixels of each channel; ``None`` where all have equal shares. [1]
