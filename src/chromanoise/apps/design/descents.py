@@ -304,7 +304,9 @@ class _Descents:
         first = self._merit(self._share, every)
         self._value, self._misses = first.value, first.misses
         self._best = np.where(first.feasible, first.value, np.inf)
-        self._pace = np.maximum(first.value + self._penalty * first.misses - self._target, 0.0)
+        with np.errstate(invalid="ignore"):  # an undefined start does not go on
+            distance = first.value + self._penalty * first.misses - self._target
+        self._pace = np.maximum(distance, 0.0)
         self._best_share = self._share.copy()
         at = self._linearized(every)
         live = np.flatnonzero(at.defined)

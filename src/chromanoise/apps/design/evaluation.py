@@ -746,7 +746,8 @@ def _separations(
     arrays = scene_arrays(scene)
     rows_e = arrays.chart_e if arrays.paired_e is None else arrays.paired_e
     gain, law, _, spread = _noise(scene, turned)
-    e = gain * np.moveaxis(turned.qe @ rows_e.T, 0, -1)  # channel, patch, parameter
+    seen = turned.qe.real @ rows_e.T + 1j * (turned.qe.imag @ rows_e.T)
+    e = gain * np.moveaxis(seen, 0, -1)  # channel, patch, parameter
     variance = kernels.variance_of(law, ..., e, e * e) * (0.5 * spread.T[:, None])
     (p, patches), d = e.shape[:2], shape[-1]
     one, other = arrays.pairs.T
@@ -758,14 +759,12 @@ def _separations(
         found = np.sqrt(np.where(noise > 0, apart**2 / noise, without).sum(axis=1))
         of_apart = apart / (noise * found[:, None])
         of_noise = -0.5 * of_apart * apart / noise
-    weights = np.zeros((2, len(at), len(one), p, patches))
-    pair = np.arange(len(one))
-    of_apart, of_noise = (np.moveaxis(part, 1, -1) for part in (of_apart, of_noise))
-    weights[0, :, pair, :, one] = np.swapaxes(of_apart, 0, 1)
-    weights[0, :, pair, :, other] = -np.swapaxes(of_apart, 0, 1)
-    weights[1, :, pair, :, one] = weights[1, :, pair, :, other] = np.swapaxes(of_noise, 0, 1)
-    turns = np.stack([e.imag, variance.imag]).reshape(2, len(at), p * patches, d) / _COMPLEX_STEP
-    slope = (weights.reshape(2, len(at), len(one), p * patches) @ turns).sum(axis=0)
+    slope = np.zeros((len(at), len(one), d))
+    turns = (part.imag / _COMPLEX_STEP for part in (e, variance))
+    weights = of_apart, of_noise
+    kernels.add_slopes(
+        _own(arrays.pairs, np.int64), *(_own(x, float) for x in (*weights, *turns)), slope
+    )
     return found.reshape(*shape[:-1], -1), slope.reshape(*shape[:-1], -1, d)
 
 

@@ -756,3 +756,26 @@ def evaluate(
             )
             _put_all(out, block, _LEAST, scratch[0])
             _put_all(out, block, _MEAN, scratch[1])
+
+
+@kernel(**_OPTIONS)
+@no_type_check
+def add_slopes(pairs, of_apart, of_noise, electrons, noise, slope):
+    """Add the derivatives of the D_M of pairs of patches to ``slope`` (m, pairs, d).
+
+    Parameters
+    ----------
+    of_apart, of_noise
+        Derivatives of D_M with respect to difference and variance of each pair (m, p, pairs).
+    electrons, noise
+        Derivatives of the electrons and of their variance (m, p, patches, d).
+    """
+    for i in range(slope.shape[0]):
+        for j in range(pairs.shape[0]):
+            one, other = pairs[j, 0], pairs[j, 1]
+            for c in range(of_apart.shape[1]):
+                difference, variance = of_apart[i, c, j], of_noise[i, c, j]
+                for k in range(slope.shape[2]):
+                    slope[i, j, k] += difference * (
+                        electrons[i, c, one, k] - electrons[i, c, other, k]
+                    ) + variance * (noise[i, c, one, k] + noise[i, c, other, k])
