@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Literal, Protocol, get_args, runtime_checkable
 
 import numpy as np
@@ -93,8 +93,7 @@ class DesignScene:
                 found=f"is on {lit} and {self.point.sensor.name} on {own}",
             )
 
-    @property
-    @lru_cache(maxsize=64)  # noqa: B019
+    @cached_property
     def maker(self) -> MatrixMaker:
         """The method of the color matrix."""
         return matrix_makers([self.matrix], self.metric, prior=self.prior)[self.matrix.strip()]
