@@ -19,7 +19,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.font_manager import FontProperties
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 from matplotlib.textpath import TextToPath
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
@@ -73,6 +73,8 @@ _NOT_ON_CARD = frozenset({"turns", "matrix order"})  # of the sentences that ans
 _PIXELS = 1920  # across
 _EDGE_IN = 0.14
 _PLACES = 5  # of a place, as a share of the figure
+_BUDGET, _GAIN = "budget", "gain"  # labels of axes with gains, and of each gain
+_GAP_EM = 0.5  # before a gain
 _BEYOND = 3.0  # of the highest saturation, to the end of the axis
 _MOST_BUDGETS = 3
 _SHOWN = 2  # sensors with a picture; of more than three, also with a budget
@@ -350,6 +352,7 @@ def _settle(figure: Figure) -> None:
             text.set_position(np.round(text.get_position(), _PLACES).tolist())
     for ax in figure.axes:
         ax.set_position(Bbox(np.round(ax.get_position(original=True).get_points(), _PLACES)))
+    _part_from_gains([ax for ax in figure.axes if ax.get_label() == _BUDGET])
 
 
 def _parts(of: Figure | SubFigure, rows: int, columns: int, **ratios: Any) -> list[SubFigure]:
@@ -508,6 +511,7 @@ def _draw_budgets(card: Card, part: SubFigure) -> None:
             ax.set_xlim(low, low + (1.05 + 0.06 * len(chosen)) * (high - low))
             ax.set_xlabel("")
             if has_room:
+                ax.set_label(_BUDGET)
                 _write_gains(chart, i, ax, rows)
         else:
             draw_panel(chart, i, ax).set_axis_off()
@@ -522,7 +526,25 @@ def _write_gains(chart: Chart, i: int, ax: Axes, rows: Sequence[str]) -> None:
     for sensor, step, gain in zip(*(chart.columns[k].values for k in (0, 1, 3)), strict=True):
         text = "" if gain is None else signed(float(gain))
         if sensor == chart.sensors[i] and text.strip("0."):
-            ax.text(1.0, rows.index(str(step)), text, ha="right", **place)
+            ax.text(1.0, rows.index(str(step)), text, ha="right", label=_GAIN, **place)
+
+
+def _part_from_gains(axes: Sequence[Axes]) -> None:
+    """Shorten the bars of budgets that are laid out until no number reaches the gain beside it."""
+    spans = [0.0]
+    for ax in axes:
+        (low, high), box = ax.get_xlim(), ax.bbox
+        spans.append(high - low)
+        for gain in (one for one in ax.texts if one.get_label() == _GAIN):
+            gap = _GAP_EM * float(gain.get_fontsize()) * ax.figure.dpi / 72
+            room = gain.get_window_extent().x0 - gap - box.x0
+            for one in ax.texts:
+                if isinstance(one, Annotation) and one.xy[1] == gain.get_position()[1]:
+                    end = (one.xy[0] - low) / (high - low) * box.width
+                    beside = one.get_window_extent().x1 - box.x0 - end
+                    spans.append((one.xy[0] - low) * box.width / max(room - beside, 1.0))
+    for ax in axes:
+        ax.set_xlim(ax.get_xlim()[0], ax.get_xlim()[0] + math.ceil(max(spans)))
 
 
 def _some(card: Card) -> str:
