@@ -108,6 +108,7 @@ def test_a_file_of_two_byte_characters_is_read_by_its_mark(file):
         ("nm;A\n400;0,1\n410;0.2\n", {"value": (2, 3)}),
         ("nm,A,A\n400,1,2\n410,1,2\n", {"value": "A"}),
         ('nm,A\n400,"0.1\n410,0.2\n', {"where": "line 2"}),
+        ("nm,A\n400,0,1,0\n410,0,2,0\n", {"where": "line 2", "value": 4}),
         ("x,A\n30,0.1\n40,0.2\n", {"value": "30-40", "setting": "wavelength_unit"}),
         ("wavelength_nm,A\n0.4,0.1\n0.5,0.2\n", {"value": "nm", "setting": "wavelength_unit"}),
         ("x,A\n-400,0.1\n410,0.2\n", {"where": "line 2", "value": -400.0}),
@@ -311,13 +312,17 @@ def test_a_sensor_says_what_was_taken_for_granted_and_what_looks_wrong(file):
         read_sensor(file("nm,reflectance\n400,.1\n700,.2"), GRID, PAPER_PIXEL)
     with refused_input(subject=str(path), setting="per"):
         read_sensor(file("nm,sensitivity\n400,.1\n700,.2"), GRID, PAPER_PIXEL)
-    with refused_input(
-        subject=str(path),
-        where="column 'A' at 700 nm",
-        value=1.2,
-        remedy=(Setting("scale", ("percent",)),),
+    give_percent = Setting("scale", ("percent",))
+    given = Answers(scale="percent")
+    for text, answers, value, remedy in (
+        ("12", Answers(), 12.0, give_percent),
+        ("1.2", Answers(), 1.2, "correct it"),  # one outlier among fractions
+        ("120", given, 1.2, "correct it"),
     ):
-        read_sensor(file("wavelength_nm,A\n400,.1\n700,1.2"), GRID, PAPER_PIXEL)
+        path = file(f"wavelength_nm,A\n400,.1\n700,{text}")
+        place = {"where": "column 'A' at 700 nm", "value": value, "remedy": (remedy,)}
+        with refused_input(subject=str(path), **place):
+            read_sensor(path, GRID, PAPER_PIXEL, answers=answers)
 
 
 def test_a_peak_in_percent_is_refused():

@@ -24,6 +24,7 @@ FIVE = (*PAIR, "onyx-rgb", "onyx-rgbw-ircut", "model-cmy-ircut")
 CARDS = {
     "one": (PAIR[1:], {"lux": 3}),
     "two on A4": (PAIR, {"lux": 3, "paper": "a4"}),
+    "two on A4 with large gains": (PAIR[::-1], {"lux": 10, "paper": "a4"}),
     "two, one saturated": (PAIR, {"lux": 3, "time_ms": 60}),
     "two with long names": (PAIR, {"labels": ["a $long$ name_of^a {sensor}, " * 2, "b" * 60]}),
     "three for a machine": (FIVE[:3], {"lux": 0.3, "reader": "machine"}),

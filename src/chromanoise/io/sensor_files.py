@@ -13,6 +13,7 @@ import numpy as np
 from chromanoise.base import Remedy, Setting, __version__, check, json_text
 from chromanoise.io.curve_files import read_curves
 from chromanoise.io.source_files import refused
+from chromanoise.io.spectra.interpretation import FRACTION_AT_MOST
 from chromanoise.io.spectra.parsed import (
     ASK,
     SCHEMA_VERSION,
@@ -199,10 +200,17 @@ def read_sensor(
     """
     parsed = read_curves(path, answers=answers)
     curves = qe_of(parsed, answers)
-    percent = Setting("scale", ("percent",))
-    remedy = percent if curves.values.max() > 1 else SMALL_NEGATIVES
     named = (path.source, path.source) if isinstance(path, Found) else _names(Path(path))
-    return _sensor(named, curves, grid, pixel, answers.beyond, remedy=remedy)
+    return _sensor(named, curves, grid, pixel, answers.beyond, remedy=_remedy(curves, answers))
+
+
+def _remedy(curves: Spectra, answers: Answers) -> Remedy:
+    """What to do about a QE that is not between 0 and 1."""
+    if curves.values.max() <= 1:
+        return SMALL_NEGATIVES
+    if curves.values.max() <= FRACTION_AT_MOST or answers.scale == "percent":
+        return "correct it"
+    return Setting("scale", ("percent",))
 
 
 def read_sensor_csv(

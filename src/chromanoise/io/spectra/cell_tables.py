@@ -249,8 +249,11 @@ def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
     lengths = Counter(len(_bare(row.cells)) for row in body)
     usual = max(lengths, key=lambda n: (lengths[n], n))
     named = len(_bare(heads[-1].cells)) if heads else len(head)
-    if named < 2 or usual - named > 1:
+    if named < 2:
         return usual
+    if usual - named > 1:
+        first = heads[-1].cells[0] if heads else head[0]
+        return named if is_wavelength_heading(first) else usual
     room = len(heads[-1].cells) if heads else len(head)
     ragged = len(lengths) > 1 and usual > room  # then the heading is correct and the rows are not
     return named if ragged else max(named, usual)

@@ -55,7 +55,7 @@ _DEVIATION = (
 _ABSORBANCE = r"(?i)absorban|optical.density|\blog ?\(? ?1 ?/ ?[rt]\b"
 _MOST_UM, _LEAST_NM = 20.0, 100.0
 _MOSTLY = 0.5  # of the steps, ascending minus descending
-_FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
+FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
 _MOST_SENTENCES = 3
 _UNNAMED = "its columns have no names: each is taken as a curve, none as a standard deviation"
 
@@ -268,7 +268,7 @@ def _scale(
         return "percent", 0.01, ("declared as percent: divided by 100",)
     if declared == "fraction":
         return "fraction", 1.0, ()
-    if highest <= _FRACTION_AT_MOST:
+    if highest <= FRACTION_AT_MOST:
         return "fraction", 1.0, ()
     if highest <= _PERCENT_AT_MOST and min(highs) <= 1:
         return "fraction", 1.0, ()  # another curve is in fractions, and files do not mix the two

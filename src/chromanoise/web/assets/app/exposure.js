@@ -137,7 +137,7 @@ function autoHint(solves, shared, study) {
   const full = `${brief(100 * saidAt(study, "exposure.saturate"))} % of full well on a perfect white`;
   const reached = `: the most sensitive channel reaches ${full}.`;
   if (solves) return `The time follows every change${reached} At the same exposure the picture stays the same.`;
-  return `Auto exposure until a slider moves${reached}`;
+  return `The time of auto exposure${reached} It stays when a slider moves.`;
 }
 
 /**

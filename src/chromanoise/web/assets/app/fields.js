@@ -28,13 +28,16 @@ const IS_FILE = /upload:|\.[a-z]\w*$/i;
 export const pathOf = (key, i) => key.replace(/^sensors\./, `sensors.${i}.`).replace(/^pictures\./, "pictures.0.");
 
 /**
- * How many fields of one sensor the study sets.
+ * How many fields of one sensor the study sets to another value than the default.
  *
  * @param {Field[]} fields
  * @param {Study} study
  * @param {number} i
  */
-export const countSet = (fields, study, i) => fields.filter(({ key }) => valueAt(study, pathOf(key, i)) !== null).length;
+export const countSet = (fields, study, i) => fields.filter((field) => {
+  const value = valueAt(study, pathOf(field.key, i));
+  return value !== null && value !== field.default;
+}).length;
 
 /**
  * All controls of a section: those without a group first, then a drawer for each group.
