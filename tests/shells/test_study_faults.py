@@ -45,6 +45,12 @@ mosaic = "RGGX"
 [[pictures]]
 mosaic = "bayer"
 prnu = "x"
+[[pictures]]
+cube = "nowhere.hdr"
+[[sweeps]]
+vary = "lux"
+first = 5
+last = 1
 """
 
 
@@ -59,6 +65,8 @@ def test_all_faults_of_a_study_are_told_at_once_each_at_its_line(run, here):
         (11, "pictures.0.mosaic"),
         (13, "pictures.1.mosaic"),
         (14, "pictures.1.prnu"),
+        (16, "pictures.2.cube"),
+        (18, "sweeps.0.vary"),
     ]:
         refused(outcome, f"chromanoise: s.toml:{line}: {key}: ", setting=key)
     refused(outcome, "'onix-rgbw'", "onyx-rgbw", "300-780 nm", "1e+300", "channel W")

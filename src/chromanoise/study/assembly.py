@@ -6,7 +6,17 @@ from contextlib import contextmanager
 from dataclasses import field, replace
 from typing import Any
 
-from chromanoise.base import InputError, Setting, check, dataclass, no_place_for, refusal
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Setting,
+    check,
+    dataclass,
+    no_place_for,
+    refusal,
+    regular_file,
+)
 from chromanoise.io import read_crosstalk
 from chromanoise.io.spectra import Answers, Found
 from chromanoise.noise import EQUAL_TERMS, Exposure, OperatingPoint
@@ -59,7 +69,16 @@ from chromanoise.study.resolve_names import (
     resolve_sensor,
     shown_word,
 )
-from chromanoise.study.schema import PicturePart, PixelPart, ReflectancesPart, SensorPart, Study
+from chromanoise.study.schema import (
+    PicturePart,
+    PixelPart,
+    ReflectancesPart,
+    SecondSweepPart,
+    SensorPart,
+    Study,
+    SweepPart,
+)
+from chromanoise.study.sweeps import SWEEPS, swept_values
 
 _OF_ANSWERS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
@@ -662,10 +681,41 @@ def unresolved(study: Study) -> list[InputError]:
         for i, part in enumerate(study.sensors)
     ]
     found += [*duplicates(study), *repeated_labels(study), *idle_settings(study)]
+    for i, sweep in enumerate(study.sweeps):
+        tried(values_of_sweep, sweep, f"sweeps.{i}")
+        if sweep.second is not None:
+            tried(values_of_sweep, sweep.second, f"sweeps.{i}.second")
     for i, picture in enumerate(study.pictures):
+        tried(_cube_is_there, i, picture.cube)
         if picture.mosaic not in (None, "sensor"):
             tried(_mosaic_fits, i, picture, sensors)
     return found
+
+
+def values_of_sweep(part: SweepPart | SecondSweepPart, key: str) -> Float[Array, " k"]:
+    """The values of one parameter of a sweep.
+
+    Parameters
+    ----------
+    key
+        Of the sweep, for errors.
+
+    Raises
+    ------
+    InputError
+        If they do not rise, or are out of range.
+    """
+    with keyed(f"{key}.vary"):
+        try:
+            return swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
+        except InputError as error:
+            raise error.within("vary") from None
+
+
+def _cube_is_there(number: int, word: str) -> None:
+    if not word.startswith("builtin:") and not is_object_word(word):
+        with keyed(f"pictures.{number}.cube", str):
+            regular_file(file_of(word), folder=True)
 
 
 def makers_of(study: Study, given: Given = NOTHING_GIVEN) -> Mapping[str, MatrixMaker]:

@@ -34,6 +34,7 @@ from chromanoise.study.assembly import (
     makers_of,
     operating_points_of,
     prior_of,
+    values_of_sweep,
 )
 from chromanoise.study.color_matrices import MatrixMaker
 from chromanoise.study.color_noise import noise_weights, pareto_of
@@ -60,8 +61,8 @@ from chromanoise.study.results import (
     Results,
     outcome_of,
 )
-from chromanoise.study.schema import PicturePart, SecondSweepPart, Study, SweepPart
-from chromanoise.study.sweeps import QUANTITIES, SWEEPS, compared, swept_values
+from chromanoise.study.schema import PicturePart, Study
+from chromanoise.study.sweeps import QUANTITIES, SWEEPS, compared
 
 
 def capture_settings_of(
@@ -457,7 +458,7 @@ def _matrix(
 def _sweep(study: Study, points: Points, makers: Makers, number: int, given: Given) -> Step:
     part = study.sweeps[number]
     sweep, quantity = SWEEPS[part.vary], QUANTITIES[part.quantity]
-    values = _values(part, f"sweeps.{number}")
+    values = values_of_sweep(part, f"sweeps.{number}")
 
     def curves(folder: Path | None, advance: Advance) -> Comparison:
         curves = compared(points, makers, values, sweep=sweep, quantity=quantity, progress=advance)
@@ -494,7 +495,7 @@ def _sweep(study: Study, points: Points, makers: Makers, number: int, given: Giv
     if part.second is not None:
         varied = f"{varied}-{part.second.vary}"
         over = f"{over} and {SWEEPS[part.second.vary].what}"
-        count *= len(_values(part.second, f"sweeps.{number}.second"))
+        count *= len(values_of_sweep(part.second, f"sweeps.{number}.second"))
     return Step(
         name=f"sweep-{number + 1}-{varied}-{part.quantity}",
         what=f"{quantity.what} over {over}",
@@ -549,15 +550,6 @@ def _taken(
     )
 
 
-def _values(part: SweepPart | SecondSweepPart, key: str) -> Any:
-    """The values of one parameter; an error names its key."""
-    with keyed(f"{key}.vary"):
-        try:
-            return swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
-        except InputError as error:
-            raise error.within("vary") from None
-
-
 def sweep_map(
     study: Study,
     points: Sequence[OperatingPoint],
@@ -586,8 +578,8 @@ def sweep_map(
     """
     part = study.sweeps[number]
     assert part.second is not None  # see ``number``
-    values = _values(part, f"sweeps.{number}")
-    rows = _values(part.second, f"sweeps.{number}.second")
+    values = values_of_sweep(part, f"sweeps.{number}")
+    rows = values_of_sweep(part.second, f"sweeps.{number}.second")
     quantity = QUANTITIES[part.quantity]
     maps, lines = mapped(
         points,
