@@ -41,13 +41,13 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     Parameters
     ----------
     options
-        Options of ``njit`` other than ``cache`` and ``nogil``.
+        Options of ``njit`` other than ``cache``, ``nogil`` and ``no_cfunc_wrapper``.
     """
     njit = _njit()
 
     def compiled(function: Callable[..., Any]) -> Any:
         with cached_compilation(Path(function.__code__.co_filename).parent) as cached:
-            return njit(cache=cached, nogil=True, **options)(function)
+            return njit(cache=cached, nogil=True, no_cfunc_wrapper=True, **options)(function)
 
     return compiled
 

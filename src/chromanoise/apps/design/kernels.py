@@ -65,7 +65,7 @@ _CUBE_MAGIC = 1430257664.0 - 62980.0  # 2^20 (1023 + 1023 / 3), less half the er
 _ROOT_MAGIC = np.int64(0x5FE6EB50C7B537A9)
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
-_WITHIN = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # called by kernels only
+_WITHIN = {"no_cpython_wrapper": True}  # called by kernels only
 _compiled = kernel(**_OPTIONS, **_WITHIN)
 _inlined = kernel(**_OPTIONS, **_WITHIN, forceinline=True)
 

@@ -19,9 +19,7 @@ _ZERO, _ONE, _TWO, _FOUR = _F(0.0), _F(1.0), _F(2.0), _F(4.0)
 _TINY = _F(1e-30)
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 _compiled = kernel(**_OPTIONS)
-_within = kernel(
-    **_OPTIONS, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)  # called by kernels only
+_within = kernel(**_OPTIONS, no_cpython_wrapper=True)  # called by kernels only
 
 
 @_compiled

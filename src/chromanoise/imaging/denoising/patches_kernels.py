@@ -33,7 +33,7 @@ from chromanoise.imaging.dot_kernels import (
 from chromanoise.imaging.kernel_cache import kernel
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc"}}
-_WITHIN = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # called by kernels only
+_WITHIN = {"no_cpython_wrapper": True}  # called by kernels only
 _compiled = kernel(**_OPTIONS, **_WITHIN)
 LANES = 16
 assert PLACES == LANES, "a matrix of a group has a row per place and a vector per row"
