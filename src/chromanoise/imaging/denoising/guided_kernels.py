@@ -3,7 +3,8 @@
 
 Functions without annotations are compiled, serial, and release the GIL. Windows have their centers
 at even rows and columns. Every sum is taken anew for each window, in the same order whatever the
-strip, so no rounding comes from pixels outside the window.
+strip, so no rounding comes from pixels outside the window. All new arrays have three axes, because
+`np.empty` is compiled anew for each number of axes.
 """
 
 from typing import no_type_check
@@ -60,15 +61,15 @@ def _window_row(values, noise, row_share, column_share, radius, edge, out):
     p, h, w = values.shape
     count, columns = out.shape
     pairs = p + p * (p + 1) // 2
-    sums = np.empty((pairs, 2 * _LANES + 2 * radius))
-    moments = np.empty((pairs, _LANES))
-    number = np.empty(_LANES, np.float32)
-    share = np.empty(_LANES)
-    mean = np.empty((p, _LANES), np.float32)
-    unit = np.empty((p, _LANES), np.float32)
+    sums = np.empty((1, pairs, 2 * _LANES + 2 * radius))[0]
+    moments = np.empty((1, pairs, _LANES))[0]
+    share = np.empty((1, 1, _LANES))[0, 0]
+    number = np.empty((1, 1, _LANES), np.float32)[0, 0]
+    mean = np.empty((1, p, _LANES), np.float32)[0]
+    unit = np.empty((1, p, _LANES), np.float32)[0]
     power = np.empty((p, p, _LANES), np.float32)
     basis = np.empty((p, p, _LANES), np.float32)
-    some = np.empty((count, _LANES), np.float32)
+    some = np.empty((1, count, _LANES), np.float32)[0]
     for first in range(0, columns, _LANES):
         start = 2 * first - radius
         left, right = max(0, start), min(w, start + 2 * _LANES + 2 * radius)
@@ -165,7 +166,8 @@ def _diagonalized(a, basis):
     basis[:] = _ZERO
     for i in range(p):
         basis[i, i] = _ONE
-    cosine, sine = np.empty(_LANES, np.float32), np.empty(_LANES, np.float32)
+    cosine = np.empty((1, 1, _LANES), np.float32)[0, 0]
+    sine = np.empty((1, 1, _LANES), np.float32)[0, 0]
     for _ in range(3 if p < 4 else 4 if p < 6 else 6):
         for i in range(p - 1):
             for j in range(i + 1, p):
@@ -203,7 +205,7 @@ def _rotated(x, y, cosine, sine):
 def _shrunk(power, basis, number, mean, unit, edge, out):
     """The estimate from the power of each component, as `_window_row` stores it."""
     p = mean.shape[0]
-    gain = np.empty((p, _LANES), np.float32)
+    gain = np.empty((1, p, _LANES), np.float32)[0]
     weight, active = out[p * p + p], out[p * p + p + 1]
     active[:] = _ZERO
     for lane in range(_LANES):
@@ -250,8 +252,9 @@ def _add_row(ring, top, bottom, radius, values, estimate, weight, active):
     pad = radius // 2
     even, odd = 2 * pad + 1, 2 * ((radius + 1) // 2)  # windows that hold a pixel of this parity
     later = pad - (radius - 1) // 2
-    vertical = np.zeros((count, columns + 2 * pad + 2), np.float32)
-    line = np.empty(2 * columns, np.float32)
+    vertical = np.empty((1, count, columns + 2 * pad + 2), np.float32)[0]
+    vertical[:] = _ZERO
+    line = np.empty((1, 1, 2 * columns), np.float32)[0, 0]
     for row in range(top, bottom):
         for k in range(count):
             for x in range(columns):
