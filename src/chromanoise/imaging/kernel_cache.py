@@ -52,9 +52,9 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     return compiled
 
 
-def inner(function: Callable[..., Any]) -> Any:
+def inner(function: Callable[..., Any], **options: Any) -> Any:
     """A compiled function that only kernels call: it has no form that Python could call."""
-    return _njit()(**_INNER)(function)
+    return _njit()(**_INNER, **options)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:

@@ -7,20 +7,21 @@ strip, so no rounding comes from pixels outside the window. All new arrays have 
 `np.empty` is compiled anew for each number of axes.
 """
 
+from functools import partial
 from typing import no_type_check
 
 import numpy as np
 
 from chromanoise.imaging.denoising.guided_plain import LEAST_E2, LEAST_VARIANCE
-from chromanoise.imaging.kernel_cache import kernel
+from chromanoise.imaging.kernel_cache import inner, kernel
 
 _LANES = 32
 _F = np.float32
 _ZERO, _ONE, _TWO, _FOUR = _F(0.0), _F(1.0), _F(2.0), _F(4.0)
 _TINY = _F(1e-30)
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
-_compiled = kernel(**_OPTIONS)
-_within = kernel(**_OPTIONS, no_cpython_wrapper=True)  # called by kernels only
+_FASTMATH = {"contract"}
+_compiled = kernel(error_model="numpy", fastmath=_FASTMATH)
+_within = partial(inner, fastmath=_FASTMATH)
 
 
 @_compiled
