@@ -71,7 +71,7 @@ def readme_folder(here):
     header = f"samples = 4\nlines = 4\nbands = {nm.size}\ndata type = 4\ninterleave = bip\n"
     waves = f"wavelength units = nm\nwavelength = {{{', '.join(map(str, nm))}}}\n"
     Path("mine.hdr").write_text(f"ENVI\n{header}byte order = 0\nheader offset = 0\n{waves}")
-    np.full((4, 4, nm.size), 0.4, "<f4").tofile("cube.img")
+    np.full((4, 4, nm.size), 0.4, "<f4").tofile("mine.img")
     return here
 
 

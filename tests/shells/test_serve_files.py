@@ -132,8 +132,8 @@ def test_a_pipe_in_a_served_study_is_refused_and_not_waited_for(uploads, tmp_pat
     os.mkfifo(tmp_path / "cube.npz")
     path = tmp_path / "s.toml"
     path.write_text('[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\ncube = "cube.npz"\n')
-    result, answers, _ = serving(uploads, path)
-    assert "a pipe" in faults_of(answers.answer, {"study": result})["pictures.0.cube"]
+    with refused_input(setting="pictures.0.cube", value="a pipe"):
+        serving(uploads, path)
 
 
 def test_a_served_study_whose_cube_was_moved_away_is_told_so(uploads, tmp_path):

@@ -16,7 +16,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from chromanoise.base.check import reason
 from chromanoise.base.errors import InputError
 
 MOST_DEPTH = 64
@@ -75,7 +74,7 @@ def system_errors_of(path: Path | str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        why = reason(error) or type(error).__name__
+        why = error.strerror or str(error) or type(error).__name__
         raise InputError(str(path), f"cannot be read ({why})") from None
 
 
