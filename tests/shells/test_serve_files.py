@@ -132,7 +132,7 @@ def test_a_pipe_in_a_served_study_is_refused_and_not_waited_for(uploads, tmp_pat
     os.mkfifo(tmp_path / "cube.npz")
     path = tmp_path / "s.toml"
     path.write_text('[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\ncube = "cube.npz"\n')
-    with refused_input(setting="pictures.0.cube", value="a pipe"):
+    with refused_input(subject=str(tmp_path / "cube.npz"), value="a pipe"):
         serving(uploads, path)
 
 
