@@ -24,7 +24,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise.base import InputError, __version__, blas_kernel, dataclass, regular_file
+from chromanoise.base import (
+    InputError,
+    __version__,
+    blas_kernel,
+    dataclass,
+    regular_file,
+    system_errors_of,
+)
 from chromanoise.io import DATA_SUFFIXES, envi_pair, is_matrix_file
 from chromanoise.spectra import SOURCES
 from chromanoise.study.catalog import FOLDER_VARIABLE, catalog_folder
@@ -367,12 +374,8 @@ def _parts_at(data: Any, path: Sequence[str]) -> list[dict[str, Any]]:
 
 def _digest(file: Path) -> str:
     regular_file(file)
-    try:
-        with file.open("rb") as opened:
-            return hashlib.file_digest(opened, "sha256").hexdigest()
-    except (OSError, ValueError) as error:  # a name with a null byte is a ValueError
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(str(file)[:200], f"cannot be read ({reason})") from None
+    with system_errors_of(file), file.open("rb") as opened:
+        return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
 def study_as_json(study: Study) -> dict[str, Any]:

@@ -55,7 +55,9 @@ _DEVIATION = (
 _ABSORBANCE = r"(?i)absorban|optical.density|\blog ?\(? ?1 ?/ ?[rt]\b"
 _MOST_UM, _LEAST_NM = 20.0, 100.0
 _MOSTLY = 0.5  # of the steps, ascending minus descending
-FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
+FRACTION_AT_MOST = 1.5
+"""The largest value of a curve of fractions, an outlier included; larger ones may be percent."""
+_PERCENT_AT_MOST = 100.0
 _MOST_SENTENCES = 3
 _UNNAMED = "its columns have no names: each is taken as a curve, none as a standard deviation"
 
