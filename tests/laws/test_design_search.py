@@ -13,8 +13,14 @@ from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
 import chromanoise.apps.design.search as searching
 from chromanoise.apps.design.algorithms import METHODS, _crossed, _fronts, _mutated
-from chromanoise.apps.design.descents import improved
-from chromanoise.apps.design.pareto_front import Evaluated, Problem, assessed, non_dominated
+from chromanoise.apps.design.descents import _parents, improved
+from chromanoise.apps.design.pareto_front import (
+    LARGEST,
+    Evaluated,
+    Problem,
+    assessed,
+    non_dominated,
+)
 from chromanoise.apps.design.search import SearchOptions, searched_front
 from chromanoise.base import packages
 from chromanoise.base.errors import InputError
@@ -126,11 +132,28 @@ def test_polish_makes_no_member_worse_and_the_front_better(problem):
     assert fine.evaluations == rough.evaluations
     assert (fine.violation <= 0).all()
     behind = fine.objectives[None] <= rough.objectives[:, None]
-    assert behind.all(axis=2).any(axis=1).all()
+    lost = (fine.objectives[None] - rough.objectives[:, None]).max(axis=2).min(axis=1)
+    is_full = len(fine.objectives) == LARGEST  # crowded members of a full front were dropped
+    assert lost.max() <= (0.02 if is_full else 0.0)
     assert non_dominated(fine.objectives).all()
     assert (fine.objectives.min(axis=0) <= rough.objectives.min(axis=0)).all()
     better = (fine.objectives[None] < rough.objectives[:, None]).any(axis=2) & behind.all(axis=2)
     assert better.any(axis=1).sum() >= 15
+
+
+def test_polish_traces_each_edge_of_a_front_of_three_objectives():
+    fine = found(dtlz2(5), budget=400, polish=True)
+    for k in range(3):
+        on_edge = np.delete(fine.objectives[fine.objectives[:, k] < 1e-3], k, axis=1)
+        angle = np.sort(np.arctan2(*on_edge.T))
+        assert np.diff(angle, prepend=0.0, append=np.pi / 2).max() < 0.25
+
+
+def test_starts_of_one_reference_are_members_far_apart():
+    rng = np.random.default_rng(0)
+    share = np.concatenate([0.1 * rng.random((50, 3)), 0.9 + 0.1 * rng.random((50, 3))])
+    excesses = np.tile(np.sort(rng.random(100)), (200, 1))  # those of the first cluster are better
+    assert set(_parents(share, excesses, rng)) == {0, 50}
 
 
 def test_polish_extends_the_front_to_the_optimum_of_each_objective():

@@ -13,6 +13,7 @@ import numpy as np
 
 from chromanoise.apps.design.algorithms import latin_hypercube, share_of_ranges
 from chromanoise.apps.design.pareto_front import (
+    LARGEST,
     Assessed,
     Problem,
     Rows,
@@ -44,14 +45,16 @@ _TINY = 1e-13
 _SCREENED, _NEAR = 4096, 0.1  # random candidates, and the share that is nearest to the constraints
 _FIRST = 96  # descents of the first round, from candidates far apart
 _ALONG, _ALONE = 48, 8  # descents of a round along the front, and of each objective alone
-_AT_LAST = 500  # descents along the front in the last round
+_AT_LAST, _LAST_ROUNDS = 250, 4  # descents of each last round, per dimension of the front
+_EDGES = 0.25  # share of the references without one of three or more objectives
 _DRAWN = 2000  # points between members, of which the references of a round are chosen
-_DEPTH = 0.15  # of the geometric distribution of the rank of a start
+_DEPTH = 0.5  # of the geometric distribution of the rank of a start
+_APART = 0.3  # distance of members of different ranks, as a share of the ranges
 _FROM_PARENT, _RENEWED = 0.6, 0.2  # shares of the parameters in a crossed and a changed start
 _UNCHANGED, _CROSSED_STARTS = 0.2, 0.6  # quantiles of the kinds of a start
 _EXCHANGED = 0.25  # share of the starts with two exchanged parts
 _CELL = 2  # decimals of the parameters within which two members are one
-_ROUNDS = 40  # at most, before the last
+_ROUNDS = 40  # at most, before the last ones
 _SETTLED, _SETTLED_ROUNDS = 1e-3, 3  # mean gain of the references; rounds that must gain less
 
 
@@ -83,10 +86,12 @@ def improved(
 
     The first round minimizes each objective alone, from candidates that are far apart. Each later
     round takes references evenly spaced along the front so far, and minimizes the largest excess
-    of the costs over the reference (Pascoletti & Serafini, 1984), or one objective alone. A
-    descent starts at one of the best members for its reference, at a cross of that member and
-    another one, or at that member with some parameters drawn anew. When the front has settled, a
-    last round with more references starts at the best member for each.
+    of the costs over the reference (Pascoletti & Serafini, 1984), or one objective alone. Some
+    references leave one of three or more objectives out, because the edges of a front are fronts
+    of fewer objectives. A descent starts at one of the best members for its reference that are far
+    apart, at a cross of that member and another one, or at that member with some parameters drawn
+    anew. When the front has settled, last rounds with more references start at the best member
+    for each.
 
     Parameters
     ----------
@@ -95,7 +100,7 @@ def improved(
     found
         Evaluated candidates, at least one.
     most
-        Number of gradients after which only the last round begins.
+        Number of gradients after which only the last rounds begin.
     is_stopped
         Whether no further round shall begin.
     """
@@ -107,7 +112,7 @@ def improved(
     starts = nearest[_far_apart(share_of_ranges(problem, nearest), _FIRST)]
     alone = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
     reference, scale = np.resize(alone, (len(starts), count)), _scale(pool.costs)
-    ends, gradients, settled, is_last = list[Assessed](), 0, 0, False
+    ends, gradients, settled, last = list[Assessed](), 0, 0, 0
     target = _excesses(pool.costs, reference, scale).min(axis=1, initial=np.inf)
     while not is_stopped():
         descents = _Descents(problem, starts, reference, scale, target)
@@ -119,20 +124,24 @@ def improved(
             gain = np.maximum(target - after, 0.0).mean()
             settled = settled + 1 if gain <= _SETTLED else 0
         pool = pool.joined(new)
-        if is_last or not len(pool.values):
+        if (last and settled) or last == _LAST_ROUNDS or not len(pool.values):
             break
-        is_last = gradients >= most or settled >= _SETTLED_ROUNDS or len(ends) > _ROUNDS
+        if last or gradients >= most or settled >= _SETTLED_ROUNDS or len(ends) > _ROUNDS:
+            last, settled = last + 1, 0
         pool = pool.some(_distinct(share_of_ranges(problem, pool.values), pool.costs))
         front = pool.costs[non_dominated(pool.costs)]
+        if last and len(front) > LARGEST:
+            break
         scale = _scale(front)
-        along = _references(front / scale, _AT_LAST if is_last else _ALONG, rng) * scale
-        each = np.repeat(alone, 1 if is_last else _ALONE, axis=0)
+        most_along = _AT_LAST * (count - 1) if last else _ALONG
+        along = _references(front / scale, most_along, rng) * scale
+        each = np.repeat(alone, 1 if last else _ALONE, axis=0)
         reference = np.concatenate([each, along])
         excesses = _excesses(pool.costs, reference, scale)
         target = excesses.min(axis=1)
         starts = (
             pool.values[excesses.argmin(axis=1)]
-            if is_last
+            if last
             else _starts(problem, pool.values, excesses, rng)
         )
     first, *others = ends
@@ -175,13 +184,20 @@ def _distinct(share: Float[Array, "m d"], costs: Float[Array, "m q"]) -> Int64[A
 def _references(
     costs: Float[Array, "m q"], most: int, rng: np.random.Generator
 ) -> Float[Array, "k q"]:
-    """Points far apart between members of a front, in the plane across the diagonal."""
+    """Points far apart between members of a front, in the plane across the diagonal.
+
+    An infinite value leaves an objective out.
+    """
     count = costs.shape[1]
     corners = costs[rng.integers(0, len(costs), (_DRAWN, count))]
     between = np.einsum("mk,mkq->mq", rng.dirichlet(np.ones(count), _DRAWN), corners)
     points = np.concatenate([costs, between])
     points = points - points.mean(axis=1, keepdims=True)
-    return points[_far_apart(points, most)] if count > 1 else points[:0]
+    references = points[_far_apart(points, most)] if count > 1 else points[:0]
+    if count > 2:
+        edges = np.flatnonzero(rng.random(len(references)) < _EDGES)
+        references[edges, rng.integers(0, count, edges.size)] = np.inf
+    return references
 
 
 def _starts(
@@ -196,9 +212,7 @@ def _starts(
     does not know which of two channels shall have which filter.
     """
     count, d = len(excesses), pool.shape[1]
-    rank = np.minimum(rng.geometric(_DEPTH, count), len(pool)) - 1
-    order = np.argsort(excesses, axis=1, kind="stable")
-    parents = pool[order[np.arange(count), rank]]
+    parents = pool[_parents(share_of_ranges(problem, pool), excesses, rng)]
     mates = pool[rng.integers(0, len(pool), count)]
     fresh = latin_hypercube(problem, count, rng)
     drawn = rng.random((count, d))
@@ -212,6 +226,25 @@ def _starts(
         order = orders[rng.integers(0, len(orders), chosen.size)]
         starts[chosen] = np.take_along_axis(starts[chosen], order, axis=1)
     return problem.allowed(starts)
+
+
+def _parents(
+    share: Float[Array, "m d"], excesses: Float[Array, "k m"], rng: np.random.Generator
+) -> Int64[Array, " k"]:
+    """Indices of a good member for each reference.
+
+    The best one, or the best of those that are far from all better ones: neighbors would lead to
+    the same minimum.
+    """
+    best, left = excesses.argmin(axis=1), excesses.copy()
+    passed = rng.geometric(_DEPTH, len(best)) - 1
+    while (live := np.flatnonzero(passed)).size:
+        near = np.abs(share - share[best[live], None]).max(axis=2) < _APART
+        left[live] = np.where(near, np.inf, left[live])
+        found = np.isfinite(left[live].min(axis=1))
+        best[live] = np.where(found, left[live].argmin(axis=1), best[live])
+        passed[live] = np.where(found, passed[live] - 1, 0)
+    return best
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
