@@ -64,6 +64,20 @@ def test_a_study_with_channel_filters_is_copied_as_a_command():
     assert "--channel-filter R=ircut-650" in study_as_command(study)
 
 
+@pytest.mark.parametrize("part", [{"filter": "red.csv"}, {"channel_filters": {"B": "red.csv"}}])
+def test_a_filter_that_makes_a_channel_blind_is_refused_by_its_own_key(here, part):
+    rows = [(nm, qe) for nm, qe in zip((400, 500, 600, 700, 1050), (0.4, 0, 0, 0, 0), strict=True)]
+    (here / "blue.csv").write_text(
+        "wavelength_nm,B,W\n" + "".join(f"{nm},{qe},0.5\n" for nm, qe in rows)
+    )
+    (here / "red.csv").write_text("wavelength_nm,T\n400,0\n599,0\n600,1\n1050,1\n")
+    (key,) = part
+    found = "leaves channel B of blue a QE of 0 at every wavelength"
+    with refused_input(subject="filter", value="red", found=found) as caught:
+        sensor_of(study_with(name="blue.csv", **part).sensors[0])
+    assert caught.value.setting == f"sensors.0.{key}"
+
+
 def test_the_hash_depends_on_the_content_of_the_file_of_a_channel(here):
     study = study_with(channel_filters={"W": "half.csv"})
     before = study_hash(study)

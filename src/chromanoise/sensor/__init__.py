@@ -144,6 +144,7 @@ if TYPE_CHECKING:
         Origin,
         Sensor as Sensor,
         behind_filter as behind_filter,
+        blind_channels,
         code_range_e as code_range_e,
         dye_transmittances as dye_transmittances,
         pixels_of as pixels_of,

@@ -133,15 +133,20 @@ def refuse_blind_channels(sensor: Sensor) -> None:
     InputError
         If a channel is zero at every wavelength.
     """
-    for name, seen in zip(sensor.names, sensor.qe.max(axis=0), strict=True):
-        if not seen:
-            raise InputError(
-                f"channel {name} of sensor {sensor.name}",
-                "must have a QE above 0 at some wavelength",
-                value=0.0,
-                found=f"has a QE of 0 on the whole grid {sensor.grid}, so it measures nothing",
-                remedy="omit the channel",
-            )
+    for name in blind_channels(sensor):
+        raise InputError(
+            f"channel {name} of sensor {sensor.name}",
+            "must have a QE above 0 at some wavelength",
+            value=0.0,
+            found=f"has a QE of 0 on the whole grid {sensor.grid}, so it measures nothing",
+            remedy="omit the channel",
+        )
+
+
+def blind_channels(sensor: Sensor) -> tuple[str, ...]:
+    """The channels with a QE of 0 at every wavelength."""
+    seen = zip(sensor.names, sensor.qe.max(axis=0), strict=True)
+    return tuple(name for name, highest in seen if not highest)
 
 
 def behind_filter(

@@ -35,6 +35,7 @@ from chromanoise.sensor import (
     PAPER_PIXEL,
     Sensor,
     behind_filter,
+    blind_channels,
     filter_named,
     is_filter_name,
     of_pixel,
@@ -488,7 +489,8 @@ def behind_resolved_filter(
     Raises
     ------
     InputError
-        As for `resolve_filter`, or if the sensor has no such channel.
+        As for `resolve_filter`, if the sensor has no such channel, or if a channel would measure
+        nothing behind the filter.
 
     Examples
     --------
@@ -505,9 +507,19 @@ def behind_resolved_filter(
     moved = f", shifted by {shift_nm:+g} nm" if shift_nm else ""
     note = "; ".join((f"{behind}behind the filter {name}{moved}", *curve.notes))
     own = name if channel is None else f"{channel}:{name}"
-    return behind_filter(
+    filtered = behind_filter(
         sensor, curve.values[:, 0], name=f"{sensor.name}+{own}", note=note, channel=channel
     )
+    known = blind_channels(sensor)
+    if blind := [one for one in blind_channels(filtered) if one not in known]:
+        raise InputError(
+            "filter",
+            "must transmit light that every channel can see",
+            value=name,
+            found=f"leaves channel {blind[0]} of {sensor.name} a QE of 0 at every wavelength",
+            remedy="choose another filter",
+        )
+    return filtered
 
 
 def asked_of_name(word: str) -> tuple[str, ...]:
