@@ -11,6 +11,7 @@ from pymoo.operators.crossover.sbx import cross_sbx
 from pymoo.operators.mutation.pm import mut_pm
 from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
+import chromanoise.apps.design.descents as descents
 import chromanoise.apps.design.search as searching
 from chromanoise.apps.design.algorithms import METHODS, _crossed, _fronts, _mutated
 from chromanoise.apps.design.descents import _parents, improved
@@ -147,6 +148,40 @@ def test_polish_traces_each_edge_of_a_front_of_three_objectives():
         on_edge = np.delete(fine.objectives[fine.objectives[:, k] < 1e-3], k, axis=1)
         angle = np.sort(np.arctan2(*on_edge.T))
         assert np.diff(angle, prepend=0.0, append=np.pi / 2).max() < 0.25
+
+
+def in_a_valley():
+    """Lowest at (1, 1), around which Rosenbrock's function is at most 1e-6."""
+    return problem_of(
+        lambda a, b: ([(b - 1) ** 2], [100 * (b - a**2) ** 2 + (1 - a) ** 2 - 1e-6]),
+        [-2.0, -2.0],
+        [2.0, 2.0],
+        better=("lower",),
+        constraints=("valley",),
+    )
+
+
+# after two steps no descent has met the constraint; after six, one has met rows that are multiples
+@pytest.mark.parametrize("steps", [2, 6])
+def test_descents_that_miss_a_constraint_go_on_until_one_meets_it(monkeypatch, steps):
+    monkeypatch.setattr(descents, "_ITERATIONS", steps)
+    fine = found(in_a_valley(), budget=40, polish=True)
+    assert fine.values[0] == pytest.approx([1.0, 1.0], abs=3e-3)
+    assert not fine.convergence.failures
+
+
+def test_descents_end_if_none_comes_nearer_to_constraints_that_exclude_each_other():
+    apart = problem_of(
+        lambda a, b: ([b], [(a - 1) ** 2 + b**2, (a + 1) ** 2 + b**2]),
+        [-2.0, -2.0],
+        [2.0, 2.0],
+        better=("lower",),
+        constraints=("at (1, 0)", "at (-1, 0)"),
+    )
+    problem, seen = watched(apart)
+    with refused_input(subject="the constraints"):
+        found(problem, budget=40_000, population=400, polish=True)
+    assert sum(len(values) for values in seen) < 400_000
 
 
 def test_starts_of_one_reference_are_members_far_apart():

@@ -84,7 +84,8 @@ def improved(
 ) -> Improved:
     """Candidates along the whole front, by descents in rounds.
 
-    The first round minimizes each objective alone, from candidates that are far apart. Each later
+    The first round minimizes each objective alone, from candidates that are far apart; it is
+    repeated from the nearest ones until one meets the constraints or none comes nearer. Each later
     round takes references evenly spaced along the front so far, and minimizes the largest excess
     of the costs over the reference (Pascoletti & Serafini, 1984), or one objective alone. Some
     references leave one of three or more objectives out, because the edges of a front are fronts
@@ -107,9 +108,7 @@ def improved(
     screened = latin_hypercube(problem, min(_SCREENED, max(2 * most, _FIRST)), rng)
     every = found.joined(assessed(problem, screened))
     pool, count = every.some(every.feasible), len(problem.objectives)
-    near = np.argsort(every.misses, kind="stable")[: max(_FIRST, int(_NEAR * len(every.values)))]
-    nearest = every.values[near]
-    starts = nearest[_far_apart(share_of_ranges(problem, nearest), _FIRST)]
+    starts = _nearest(problem, every, max(_FIRST, int(_NEAR * len(every.values))))
     alone = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
     reference, scale = np.resize(alone, (len(starts), count)), _scale(pool.costs)
     ends, gradients, settled, last = list[Assessed](), 0, 0, 0
@@ -119,14 +118,23 @@ def improved(
         ends.append(assessed(problem, descents.ends()))
         gradients += descents.gradients
         new = ends[-1].some(ends[-1].feasible)
+        gain = np.inf
         if len(pool.values) and len(new.values):
             after = _excesses(new.costs, reference, scale).min(axis=1)
             gain = np.maximum(target - after, 0.0).mean()
-            settled = settled + 1 if gain <= _SETTLED else 0
+        elif not len(pool.values) and not len(new.values):
+            gain = 1.0 - ends[-1].misses.min() / every.misses.min()
+        settled = settled + 1 if gain <= _SETTLED else 0
         pool = pool.joined(new)
-        if (last and settled) or last == _LAST_ROUNDS or not len(pool.values):
+        ended = gradients >= most or settled >= _SETTLED_ROUNDS or len(ends) > _ROUNDS
+        if (last and settled) or last == _LAST_ROUNDS or (ended and not len(pool.values)):
             break
-        if last or gradients >= most or settled >= _SETTLED_ROUNDS or len(ends) > _ROUNDS:
+        if not len(pool.values):
+            every = every.joined(ends[-1])
+            starts = _nearest(problem, every, 2 * _FIRST)
+            reference, target = np.resize(alone, (len(starts), count)), np.full(len(starts), np.inf)
+            continue
+        if last or ended:
             last, settled = last + 1, 0
         pool = pool.some(_distinct(share_of_ranges(problem, pool.values), pool.costs))
         front = pool.costs[non_dominated(pool.costs)]
@@ -146,6 +154,12 @@ def improved(
         )
     first, *others = ends
     return Improved(found=first.joined(*others), gradients=gradients)
+
+
+def _nearest(problem: Problem, every: Assessed, most: int) -> Float[Array, "k d"]:
+    """Candidates far apart among the ``most`` that are nearest to the constraints."""
+    nearest = every.values[np.argsort(every.misses, kind="stable")[:most]]
+    return nearest[_far_apart(share_of_ranges(problem, nearest), _FIRST)]
 
 
 def _scale(costs: Float[Array, "m q"]) -> Float[Array, " q"]:
@@ -502,11 +516,12 @@ class _Descents:
             normals = np.where(active[..., None], normals, 0.0)
             product = normals @ normals.swapaxes(1, 2)
             diagonal = np.arange(q + k)
-            product[:, diagonal, diagonal] += np.where(active, 1e-9, 1.0)
+            size = np.maximum(product[:, diagonal, diagonal].max(axis=1, keepdims=True), 1.0)
+            product[:, diagonal, diagonal] += np.where(active, 1e-9 * size, 1.0)
             wanted = np.where(active, error, 0.0)[..., None]
             shift = -_times(normals.swapaxes(1, 2), solve("active rows", product, wanted)[..., 0])
-            size = np.abs(shift[:, :f]).max(axis=1, keepdims=True)
-            near = size <= np.abs(step).max(axis=1, keepdims=True)
+            length = np.abs(shift[:, :f]).max(axis=1, keepdims=True)
+            near = length <= np.abs(step).max(axis=1, keepdims=True)
             return np.where(near, shift[:, :f], 0.0)
 
         return _Step(
