@@ -5,7 +5,7 @@
 searches each design (those of `examples/designs`) at 10, 1 and 0.1 lx, without and with 10 %
 crosstalk of designs and references. It checks each sensor of each front by `cn.analyze`, a million
 draws and a rendered picture, and lets it deviate by 5 nm and 5 %. Each search has three seeds and a
-polish; their agreement is printed, and what descents from random candidates reach without a search.
+polish; their agreement is printed.
 """
 
 import sys
@@ -15,12 +15,9 @@ import numpy as np
 
 import chromanoise as cn
 from chromanoise.apps.design import Design, DesignStudy, read_design
-from chromanoise.apps.design.algorithms import latin_hypercube
-from chromanoise.apps.design.descents import _Descents, _far_apart
 from chromanoise.apps.design.design_result import convergence_sentences
 from chromanoise.apps.design.objectives import OBJECTIVES
 from chromanoise.apps.design.optimizing import task_of
-from chromanoise.apps.design.pareto_front import misses_of
 from chromanoise.noise import expected_electrons, monte_carlo, noise_sources
 from chromanoise.spectra import flat_field
 from chromanoise.spectra.builtin_scenes import GAP_PX, PATCH_PX
@@ -31,7 +28,6 @@ LEVELS_LUX = (10.0, 1.0, 0.1)
 CROSSTALK = (0.0, 0.1)
 DRAWS = 1_000_000
 DEVIATIONS = 256
-RANDOM, STARTS, STARTS_SEED = 800, 26, 5  # candidates, and descents from those far apart
 TOLERANCE_NM, TOLERANCE_SHARE = 5.0, 0.05
 WHITE_ROW = 3  # of the patches of the chart; the white is the first of this row
 
@@ -131,33 +127,6 @@ def deviating(found: Design) -> str:
     return "\n".join(["5 nm and 5 %, 95 % of copies are within: " + ", ".join(losses), *lines])
 
 
-def descended(document: DesignStudy, starts: int = STARTS) -> list[str]:
-    """Where descents of the first two objectives from random candidates end."""
-    problem = task_of(document).problem()
-    rng = np.random.default_rng(STARTS_SEED)
-    values = latin_hypercube(problem, RANDOM, rng)
-    misses = misses_of(problem, problem.evaluate(values))
-    near = np.argsort(misses)[: RANDOM // 2]
-    share = (values[near] - problem.low) / (problem.high - problem.low)
-    scale = np.array([2.0, 3.0, 2.0])[: len(problem.objectives)]
-    first = values[near[_far_apart(share, starts)]]
-    reached = []
-    for i in range(2):
-        reference = np.where(np.arange(len(scale)) == i, 0.0, np.inf)
-        every, target = np.tile(reference, (len(first), 1)), np.full(len(first), np.inf)
-        ends = _Descents(problem, first, every, scale, target).ends()
-        found = problem.evaluate(ends)
-        reached.append(
-            [
-                f"misses the constraints by {miss:.3g}" if miss else f"{value:.4f}"
-                for miss, value in zip(
-                    misses_of(problem, found), found.objectives[:, i], strict=True
-                )
-            ]
-        )
-    return [", ".join(pair) for pair in zip(*reached, strict=True)]
-
-
 def rows(found: Design) -> list[str]:
     """References, extremes and knee as a table, and their parameters."""
     names = found.task.evaluator.objectives
@@ -190,7 +159,6 @@ def main(designs: tuple[Path, ...]) -> None:
             for level_lux in LEVELS_LUX:
                 print(f"\n## {path.stem}, {level_lux:g} lx, crosstalk {crosstalk:.0%}")
                 document = design_at(path, level_lux, crosstalk)
-                print("descents from random candidates:", *descended(document), sep="\n")
                 try:
                     found = cn.optimize(document)
                 except cn.InputError as error:
