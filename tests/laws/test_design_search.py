@@ -184,6 +184,18 @@ def test_descents_end_if_none_comes_nearer_to_constraints_that_exclude_each_othe
     assert sum(len(values) for values in seen) < 400_000
 
 
+def test_progress_counts_the_gradients_of_the_polish(monkeypatch):
+    monkeypatch.setattr(searching, "_TOLD_EVERY_S", 0.01)
+    told = []
+    fine = found(dtlz2(5), budget=400, seeds=2, polish=True, progress=told.append)
+    polish = [one for one in told if one.most_gradients]
+    assert {one.evaluations for one in polish} == {fine.evaluations}
+    counts = [one.gradients for one in polish]
+    assert counts == sorted(counts)
+    assert 0 < counts[-1] <= fine.gradient_evaluations
+    assert fine.gradient_evaluations < 1.5 * polish[-1].most_gradients
+
+
 def test_starts_of_one_reference_are_members_far_apart():
     rng = np.random.default_rng(0)
     share = np.concatenate([0.1 * rng.random((50, 3)), 0.9 + 0.1 * rng.random((50, 3))])

@@ -97,22 +97,34 @@ def optimize(
 
 
 def _reporter(objectives: tuple[str, ...]) -> Any:
-    """A function that prints the front of a running search every ten seconds."""
+    """A function that prints the front of a running search, then its polish, every ten seconds."""
     start = reported = time.monotonic()
     first: int | None = None
+    polished_from: float | None = None
 
     def report(now: "Progress") -> None:
-        nonlocal first, reported
+        nonlocal first, reported, polished_from
         first = now.evaluations if first is None else first
         moment = time.monotonic()
+        if polished_from is None and now.most_gradients:
+            polished_from = reported = moment
         if moment - reported < _REPORTED_EVERY_S:
             return
         reported = moment
+        if polished_from is not None:
+            share = max(now.gradients, 1) / now.most_gradients
+            left_s = (moment - polished_from) * (1 / share - 1)
+            click.echo(
+                f"polish of the front: {now.gradients} of at most some {now.most_gradients} "
+                f"gradients, at most about {duration(left_s)} left",
+                err=True,
+            )
+            return
         done = now.evaluations - first
         left = (moment - start) * (now.budget - now.evaluations) / done if done else 0.0
         click.echo(
-            f"{now.evaluations} of {now.budget} sensors, about {duration(left)} left; "
-            f"{_front_so_far(now, objectives)}",
+            f"{now.evaluations} of {now.budget} sensors, about {duration(left)} left before the "
+            f"polish; {_front_so_far(now, objectives)}",
             err=True,
         )
 

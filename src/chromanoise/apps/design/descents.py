@@ -46,6 +46,7 @@ _SCREENED, _NEAR = 4096, 0.1  # random candidates, and the share that is nearest
 _FIRST = 96  # descents of the first round, from candidates far apart
 _ALONG, _ALONE = 48, 8  # descents of a round along the front, and of each objective alone
 _AT_LAST, _LAST_ROUNDS = 250, 4  # descents of each last round, per dimension of the front
+_USUAL_STEPS = 14  # of these descents
 _EDGES = 0.25  # share of the references without one of three or more objectives
 _DRAWN = 2000  # points between members, of which the references of a round are chosen
 _DEPTH = 0.5  # of the geometric distribution of the rank of a start
@@ -80,7 +81,7 @@ def improved(
     *,
     most: int,
     rng: np.random.Generator,
-    is_stopped: Callable[[], bool] = bool,
+    goes_on: Callable[[int], bool] = lambda gradients: True,
 ) -> Improved:
     """Candidates along the whole front, by descents in rounds.
 
@@ -102,8 +103,8 @@ def improved(
         Evaluated candidates, at least one.
     most
         Number of gradients after which only the last rounds begin.
-    is_stopped
-        Whether no further round shall begin.
+    goes_on
+        Whether another round shall begin after a number of gradients.
     """
     screened = latin_hypercube(problem, min(_SCREENED, max(2 * most, _FIRST)), rng)
     every = found.joined(assessed(problem, screened))
@@ -113,7 +114,7 @@ def improved(
     reference, scale = np.resize(alone, (len(starts), count)), _scale(pool.costs)
     ends, gradients, settled, last = list[Assessed](), 0, 0, 0
     target = _excesses(pool.costs, reference, scale).min(axis=1, initial=np.inf)
-    while not is_stopped():
+    while goes_on(gradients):
         descents = _Descents(problem, starts, reference, scale, target)
         ends.append(assessed(problem, descents.ends()))
         gradients += descents.gradients
@@ -154,6 +155,13 @@ def improved(
         )
     first, *others = ends
     return Improved(found=first.joined(*others), gradients=gradients)
+
+
+def gradients_at_most(problem: Problem, most: int) -> int:
+    """About how many gradients `improved` computes at most."""
+    count = len(problem.objectives)
+    at_last = _LAST_ROUNDS * (_AT_LAST * (count - 1) + count)
+    return most + _USUAL_STEPS * at_last
 
 
 def _nearest(problem: Problem, every: Assessed, most: int) -> Float[Array, "k d"]:

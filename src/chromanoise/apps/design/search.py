@@ -14,9 +14,9 @@ import threading
 import time
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ from chromanoise.apps.design.algorithms import (
     generation_rng,
     latin_hypercube,
 )
-from chromanoise.apps.design.descents import Improved, improved
+from chromanoise.apps.design.descents import Improved, gradients_at_most, improved
 from chromanoise.apps.design.pareto_front import (
     LARGEST,
     Archive,
@@ -279,7 +279,7 @@ _BOUNDS = {
     "seed": (0, 2**32 - 1),
     "seeds": (1, 16),
 }
-_WRITTEN_EVERY_S = 2.0
+_WRITTEN_EVERY_S, _TOLD_EVERY_S = 2.0, 1.0
 _SAME = 1e-9  # relative difference of a candidate evaluated on another machine
 _EVALUATIONS_PER_GRADIENT = 2
 _LEAST_GRADIENTS = 2000  # per objective
@@ -345,7 +345,7 @@ DEFAULT_SEARCH = SearchOptions()
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Progress:
-    """A search after a generation.
+    """A search after a generation, or during its polish.
 
     Attributes
     ----------
@@ -356,6 +356,8 @@ class Progress:
     values, objectives
         The front so far, in the units of parameters and objectives; empty until a candidate meets
         all constraints.
+    gradients, most_gradients
+        Gradients that the polish has computed, and about how many it computes at most; 0 before it.
     """
 
     generation: int
@@ -363,6 +365,8 @@ class Progress:
     budget: int
     values: Float[Array, "k d"]
     objectives: Float[Array, "k q"]
+    gradients: int = 0
+    most_gradients: int = 0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -478,7 +482,7 @@ def searched_front(
     evaluate_on
         A cluster on which candidates are evaluated; this process if ``None``.
     progress
-        Called after each generation.
+        Called after each generation, and every second of the polish.
 
     Raises
     ------
@@ -521,15 +525,7 @@ def searched_front(
                 algorithm=state.state(),
             )
             if progress:
-                progress(
-                    Progress(
-                        generation=now.generation,
-                        evaluations=now.evaluations,
-                        budget=settings.budget,
-                        values=now.archive.values,
-                        objectives=now.archive.objectives,
-                    )
-                )
+                progress(_progress_of(now, settings))
             if checkpoint and time.monotonic() > written + _WRITTEN_EVERY_S:
                 write_checkpoint(checkpoint, now)
                 written = time.monotonic()
@@ -539,7 +535,7 @@ def searched_front(
     archive, gain = now.archive, np.full(len(problem.objectives), np.nan)
     if state.polishes:
         before = _best(problem, archive)
-        archive = state.polish(now.generation, archive)
+        archive = state.polish(now, progress)
         with np.errstate(invalid="ignore"):
             gain = np.nan_to_num(before - _best(problem, archive), nan=0.0, posinf=0.0)
     _refuse_infeasible(problem, archive, f"{now.evaluations} candidates ({state.effort(now)})")
@@ -599,21 +595,25 @@ class _Population:
         self.front = front[thinned(front, LARGEST)]
 
     def improved(
-        self, generations: int, size: int, archive: Archive, is_stopped: Callable[[], bool]
+        self, generations: int, most: int, archive: Archive, is_stopped: Callable[[], bool]
     ) -> Improved | Exception | None:
         """The descents after a number of its generations; an error, or ``None`` without a start."""
         problem = self._problem
         values = self.algorithm.state().get("values", archive.values)
         if not len(values):
             return None
+
+        def goes_on(gradients: int) -> bool:
+            self.gradients = gradients
+            return not is_stopped()
+
         try:
-            share = generations * size // _EVALUATIONS_PER_GRADIENT
             return improved(
                 problem,
                 assessed(problem, values),
-                most=max(share, _LEAST_GRADIENTS * len(problem.objectives)),
+                most=most,
                 rng=generation_rng(self.seed, generations),
-                is_stopped=is_stopped,
+                goes_on=goes_on,
             )
         except _NUMERICAL as error:
             return error
@@ -647,24 +647,34 @@ class _Populations:
         costs = self._problem.costs(archive.objectives)
         self._fronts[evaluations] = costs[thinned(costs, _OF_HISTORY)]
 
-    def polish(self, generations: int, archive: Archive) -> Archive:
+    def polish(self, now: Checkpoint, progress: Callable[[Progress], None] | None) -> Archive:
         """The archive with the front that descents from each population find.
 
         Parameters
         ----------
-        generations
-            Number of finished ones of all populations.
-        archive
-            The front so far.
+        now
+            The search after its last generation.
+        progress
+            Called every second.
         """
-        started, stopped = self.each[:generations], threading.Event()
+        problem, archive, stopped = self._problem, now.archive, threading.Event()
+        started = self.each[: now.generation]
+        own = [(now.generation - turn - 1) // len(self.each) + 1 for turn in range(len(started))]
+        least = _LEAST_GRADIENTS * len(problem.objectives)
         size = self._settings.population
+        most = [max(count * size // _EVALUATIONS_PER_GRADIENT, least) for count in own]
+        in_all = sum(gradients_at_most(problem, one) for one in most)
         with ThreadPoolExecutor(len(started)) as pool:
-            tasks = []
-            for turn, one in enumerate(started):
-                own = (generations - turn - 1) // len(self.each) + 1
-                tasks.append(pool.submit(one.improved, own, size, archive, stopped.is_set))
+            tasks = [
+                pool.submit(one.improved, count, limit, archive, stopped.is_set)
+                for one, count, limit in zip(started, own, most, strict=True)
+            ]
             try:
+                while wait(tasks, _TOLD_EVERY_S if progress else None).not_done:
+                    if progress:
+                        before = _progress_of(now, self._settings)
+                        gradients = min(self.gradients, in_all)
+                        progress(replace(before, gradients=gradients, most_gradients=in_all))
                 every = [task.result() for task in tasks]
             finally:
                 stopped.set()
@@ -733,6 +743,16 @@ class _Populations:
                 one.algorithm.restore(own)
         fronts = _without_prefix("front.", state)
         self._fronts = {int(count): costs for count, costs in fronts.items()}
+
+
+def _progress_of(now: Checkpoint, settings: SearchOptions) -> Progress:
+    return Progress(
+        generation=now.generation,
+        evaluations=now.evaluations,
+        budget=settings.budget,
+        values=now.archive.values,
+        objectives=now.archive.objectives,
+    )
 
 
 def _is_power_of_two(number: int) -> bool:
