@@ -1,11 +1,19 @@
 """Design files: forms of a number, what is refused with its key, references as limits."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from chromanoise.apps.design import DESIGN_STARTER, OBJECTIVES, DesignStudy, optimized, read_design
+from chromanoise.apps.design import (
+    DESIGN_STARTER,
+    OBJECTIVES,
+    DesignStudy,
+    optimized,
+    read_design,
+    with_effort,
+)
 from chromanoise.apps.design.algorithms import METHODS
 from chromanoise.apps.design.optimizing import task_of
 from chromanoise.apps.design.parameters import Free, noise_properties
@@ -305,3 +313,12 @@ def test_a_scene_without_a_time_has_the_longest_at_which_no_reference_saturates(
 def test_an_unknown_light_of_a_scene_names_the_scene(tmp_path):
     scene = '[[design.scenes]]\nilluminant = "QQ"\n'
     assert refused_keys(tmp_path, HEAD + CHANNEL + scene) == ["design.scenes.0.illuminant"]
+
+
+def test_candidates_whose_channels_see_next_to_nothing_do_not_end_a_search(tmp_path):
+    text = DESIGN_STARTER.replace("center_nm = [560, 680]", "center_nm = [1, 680]", 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)  # as on the command line
+        found = optimized(with_effort(read(tmp_path, text), budget=600))
+    assert len(found.members) > 100
+    assert not found.result.convergence.failures

@@ -385,7 +385,9 @@ class _Descents:
         value, misses = found.value.reshape(n, -1), found.misses.reshape(n, -1)
         merit = value + self._penalty[live, None] * misses
         first, each = merit.argmin(axis=1), np.arange(n)
-        gain = self._value[live] + self._penalty[live] * self._misses[live] - merit[each, first]
+        before = self._value[live] + self._penalty[live] * self._misses[live]
+        with np.errstate(invalid="ignore"):  # both may be undefined
+            gain = before - merit[each, first]
         better = (gain > 0) & np.isfinite(merit[each, first])
         self._remember(live, points, np.where(found.feasible.reshape(n, -1), value, np.inf))
         self._resize(live, model, _STEPS[first], np.where(better, gain, 0.0))

@@ -913,7 +913,7 @@ def _by_singular_values(
 ) -> tuple[Float[Array, "m 3 p"], Float[Array, " m"]]:
     """Matrices and Vora values; NaN and -inf where a channel measures nothing."""
     candidates, arrays = batch.of(slice(None)), scene_arrays(scene)
-    dark = (candidates.qe.max(axis=1) == 0).any(axis=1)
+    dark = ((candidates.qe * arrays.basis[:, None]) ** 2).sum(axis=1).min(axis=1) == 0
     qe = np.where(dark[:, None, None], np.eye(*candidates.qe.shape[1:]), candidates.qe)
     dual, span = dual_and_orthonormal_bases(qe * arrays.basis[:, None])
     overlap = np.swapaxes(span, 1, 2) @ arrays.orthonormal_axes

@@ -72,6 +72,13 @@ _inlined = kernel(**_OPTIONS, **_WITHIN, forceinline=True)
 
 @_inlined
 @no_type_check
+def _divisor(x):
+    """The number, NaN for 0: a division of complex numbers by 0 would end the kernel."""
+    return x if x.real != 0.0 else x + np.nan
+
+
+@_inlined
+@no_type_check
 def _inverse_cube_root(x):
     """x^(-1/3) for a real part above 0: a guess from the exponent, two steps of high order."""
     high = np.float64(x.real).view(np.int64) >> np.int64(32)
@@ -289,7 +296,7 @@ def _factored(g, lower, scale, line, independence):
     p = g.shape[0]
     for c in range(p):
         for k in range(LANES):
-            scale[c, k] = 1.0 / np.sqrt(g[c, c, k])
+            scale[c, k] = 1.0 / np.sqrt(_divisor(g[c, c, k]))
     for k in range(LANES):
         independence[k] = 1.0
     for c in range(p):
@@ -412,7 +419,7 @@ def _luminance_snr(e, matrix, law, spread, least, value):
             weight = matrix[1, c, k]
             y += weight * mean
             variance += weight * weight * (own * spread[c, k])
-        value[k] = y * y / variance if y.real > least else y * np.nan
+        value[k] = y * y / _divisor(variance) if y.real > least else y * np.nan
 
 
 @_compiled
@@ -435,7 +442,7 @@ def _lux_of_snr10(e, matrix, law, spread, full, level_lux, value):
         gain = seen * seen - SNR10 * SNR10 * law[2, k] * spatial
         shot = SNR10 * SNR10 * law[1, k] * shot
         root = np.sqrt(shot * shot + 4.0 * gain * (SNR10 * SNR10 * law[0, k] * total))
-        lux = (shot + root) / (2.0 * gain)
+        lux = (shot + root) / (2.0 * _divisor(gain))
         good = seen.real > 0.0 and gain.real > 0.0 and (lux * most).real <= full[k].real
         value[k] = lux if good else lux * np.nan
 
@@ -511,7 +518,7 @@ def _chart_errors(e, at, matrix, truth, black_e, law, spread, wanted, scratch, o
             for c in range(1, p):
                 white += e[0, c, k] * matrix[j, c, k]
             good[k] = good[k] if white.real > 0.0 else 0.0
-            inverse[j, k] = 1.0 / white
+            inverse[j, k] = 1.0 / _divisor(white)
             shift[j, k] = 0.0
     for i in range(many):
         l1, a1, b1, c1 = truth[i, 0], truth[i, 1], truth[i, 2], truth[i, 3]
@@ -732,8 +739,7 @@ def evaluate(
             for c in range(p):
                 fullest = e[0, c, k] if e[0, c, k].real > fullest.real else fullest
                 if wanted[_INFRARED]:
-                    share = e[layout[_AT_INFRARED], c, k] / e[0, c, k]
-                    share = share if e[0, c, k].real > 0.0 else share + np.nan
+                    share = e[layout[_AT_INFRARED], c, k] / _divisor(e[0, c, k])
                     infrared = infrared if share.real <= infrared.real else share
             _put(out, block, k, _FULLNESS, fullest / own[0, k])
             _put(out, block, k, _INFRARED, infrared)

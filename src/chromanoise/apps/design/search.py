@@ -285,7 +285,7 @@ _EVALUATIONS_PER_GRADIENT = 2
 _LEAST_GRADIENTS = 2000  # per objective
 _OF_HISTORY = 64  # members of a front of which the hypervolume is kept
 _BEYOND = 0.1  # of the range of the front: from its worst values to the reference point
-_NUMERICAL = (InputError, ArithmeticError, ValueError)  # also of linear solvers
+_NUMERICAL = (InputError, ArithmeticError, ValueError, RuntimeWarning)  # also of linear solvers
 
 
 @dataclass(frozen=True, kw_only=True)
