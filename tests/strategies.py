@@ -65,10 +65,12 @@ def pixel_with(read_noise_e=10.0, full_well_e=10_000.0):
     return Pixel(pitch_um=10.0, full_well_e=full_well_e, read_noise_e=read_noise_e)
 
 
-def point_of(sensor, level_lux=10.0, *, exposure=EXPOSURE, illuminant=None):
+def point_of(sensor, level_lux=10.0, *, exposure=EXPOSURE, illuminant=None, **more):
     """A sensor in use, by default in light of equal energy."""
     lamp = equal_energy(sensor.grid) if illuminant is None else illuminant
-    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=level_lux)
+    return OperatingPoint(
+        sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=level_lux, **more
+    )
 
 
 @st.composite

@@ -9,10 +9,11 @@ from chromanoise.apps.design.evaluation import DesignScene, Objectives
 from chromanoise.apps.design.parameters import Candidates
 from chromanoise.apps.design.pareto_front import Evaluated, Problem
 from chromanoise.apps.design.search import SearchOptions, searched_front
-from chromanoise.noise import Exposure, OperatingPoint
-from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
-from chromanoise.spectra import DEFAULT_GRID, cie_1931, illuminant_named
+from chromanoise.noise import Exposure
+from chromanoise.sensor import ir_cut, resin_filter, silicon_qe, with_pixel
+from chromanoise.spectra import DEFAULT_GRID, cie_1931
 from chromanoise.study import sensor_named
+from strategies import point_of
 
 NM = DEFAULT_GRID.wavelength_nm
 SILICON = silicon_qe(DEFAULT_GRID, depth_um=4.0)[:, None]
@@ -21,14 +22,8 @@ TIME_MS = 11.94  # the paper's, of docs/findings.md
 
 def evaluator(objective, *, lux, matrix, **pixel):
     """One scene of illuminant E without a full well, so that light alone changes the optimum."""
-    sensor = sensor_named("model-mono")
-    own = replace(sensor.pixel, full_well_e=1e12, **pixel)
-    point = OperatingPoint(
-        sensor=replace(sensor, pixel=own),
-        exposure=Exposure(time_s=1e-3 * TIME_MS, f_number=1.8),
-        illuminant=illuminant_named("E"),
-        level_lux=lux,
-    )
+    sensor = with_pixel(sensor_named("model-mono"), {"full_well_e": 1e12, **pixel})
+    point = point_of(sensor, lux, exposure=Exposure(time_s=1e-3 * TIME_MS, f_number=1.8))
     return Objectives(scenes=(DesignScene(point=point, matrix=matrix),), objectives=(objective,))
 
 

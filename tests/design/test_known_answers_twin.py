@@ -9,10 +9,11 @@ import pytest
 
 from chromanoise.apps.design.evaluation import DesignScene, Objectives
 from chromanoise.apps.design.parameters import Candidates
-from chromanoise.noise import Exposure, OperatingPoint
+from chromanoise.noise import Exposure
 from chromanoise.spectra import DEFAULT_GRID, Grid, cie_1931, colorchecker, illuminant_named
 from chromanoise.study import sensor_named
 from chromanoise.study.color_matrices import training_named
+from strategies import point_of
 
 H, C = 6.62607015e-34, 299792458.0  # SI, exact
 KM = 683.002
@@ -106,12 +107,8 @@ def test_objectives_agree_with_the_equations_in_plain_numpy(channels, matrix, lu
     curves = random_curves(5, channels, seed=channels)
     settings = {"f_number": 2.0, "time_s": 0.006}
     light = illuminant_named("E")
-    point = OperatingPoint(
-        sensor=sensor_named("model-mono"),
-        exposure=Exposure(**settings),
-        illuminant=light,
-        level_lux=lux,
-    )
+    sensor = sensor_named("model-mono")
+    point = point_of(sensor, lux, exposure=Exposure(**settings), illuminant=light)
     scene = DesignScene(point=point, matrix=matrix)
     found = Objectives(scenes=(scene,), objectives=OBJECTIVES).values(Candidates(qe=curves))
     pixel = point.sensor.pixel

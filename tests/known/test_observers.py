@@ -5,7 +5,7 @@ import pytest
 
 from chromanoise.base.errors import errors_in
 from chromanoise.color import kernel_matrix, scene_xyz
-from chromanoise.noise import Exposure, OperatingPoint, conditions
+from chromanoise.noise import Exposure, conditions
 from chromanoise.spectra import (
     DEFAULT_GRID,
     OBSERVERS,
@@ -19,6 +19,7 @@ from chromanoise.spectra import (
 )
 from chromanoise.study import analyzed, sensor_named
 from outcomes import refused_input
+from strategies import point_of
 
 CIE = Grid.uniform(360, 830, 1)
 EXPOSURE = Exposure(time_s=0.005, f_number=1.8)
@@ -67,9 +68,7 @@ def test_the_observer_changes_nothing_before_the_color(observer):
 
 
 def test_the_operating_point_names_an_observer_other_than_cie_1931():
-    point = OperatingPoint(
-        sensor=SENSOR, exposure=EXPOSURE, illuminant=WHITE.illuminant, level_lux=10.0
-    )
+    point = point_of(SENSOR, exposure=EXPOSURE)
     assert conditions([point]) == "10 lx (illuminant E, 5 ms, f/1.8)"
     own = analyzed(WHITE, SENSOR, EXPOSURE, observer="cie-1964-10").point
     assert conditions([own]) == "10 lx (illuminant E, 5 ms, f/1.8, observer cie-1964-10)"

@@ -11,7 +11,6 @@ from chromanoise.base.rng import stream
 from chromanoise.imaging import Work, acquired
 from chromanoise.noise import (
     Exposure,
-    OperatingPoint,
     Readout,
     clipped_measurement,
     clipping_readout,
@@ -24,10 +23,10 @@ from chromanoise.noise import (
 )
 from chromanoise.noise.distribution import counted_readout
 from chromanoise.sensor import Adc, Converter, Mosaic
-from chromanoise.spectra import Grid, equal_energy
+from chromanoise.spectra import Grid
 from goodness import moments_z
 from noise_samples import noise_of
-from strategies import flat_cube, pixel_with, white_channel
+from strategies import flat_cube, pixel_with, point_of, white_channel
 
 STEP, TIME_S, SIDE = 4.0, 0.02, 400
 GRID = Grid.uniform(500, 600, 10)
@@ -46,12 +45,7 @@ def camera(dark_e, *, black_level_dn, black_error_e=0.0, full_well_e=4000.0, rea
 
 def raw_values_e(sensor, rho, black_level_dn, level_lux=1.0):
     """Values of the library's own raw codes, and the expected electrons."""
-    point = OperatingPoint(
-        sensor=sensor,
-        exposure=Exposure(time_s=TIME_S, f_number=8.0),
-        illuminant=equal_energy(GRID),
-        level_lux=level_lux,
-    )
+    point = point_of(sensor, level_lux, exposure=Exposure(time_s=TIME_S, f_number=8.0))
     picture = acquired(
         flat_cube(GRID.wavelength_nm, rho, height=SIDE, width=SIDE),
         point,

@@ -2,6 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.imaging import DEMOSAICING, Work, acquired, developed, developed_color, rendered
 from chromanoise.imaging.capture import CaptureSettings, camera_for
-from chromanoise.noise import Exposure, OperatingPoint, expected_electrons, with_noise
+from chromanoise.noise import Exposure, expected_electrons, with_noise
 from chromanoise.sensor import (
     Adc,
     Crosstalk,
@@ -23,10 +24,11 @@ from chromanoise.sensor import (
 from chromanoise.spectra import DEFAULT_GRID, Cube, equal_energy, flat_field
 from chromanoise.study import sensor_named
 from outcomes import same_bits
-from strategies import flat_cube
+from strategies import flat_cube, point_of
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.002)
+in_use = partial(point_of, exposure=EXPOSURE)
 AT = DEFAULT_GRID.wavelength_nm
 NAMES = ("R", "G", "B")
 KERNEL = np.array([[0.0, 0.08, 0.0], [0.1, 0.66, 0.04], [0.0, 0.06, 0.02]])  # 4 % are lost
@@ -44,10 +46,6 @@ def coupled(kernel=KERNEL, **pixel):
     return with_crosstalk(pure(**pixel), mixing)
 
 
-def point_of(sensor):
-    return OperatingPoint(sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=10.0)
-
-
 def flat(size, width=None):
     return flat_cube(AT, 0.5, height=size, width=width or size)
 
@@ -58,7 +56,7 @@ def seen_by(sensor):
 
 
 def codes_of(sensor, cube, **more):
-    return acquired(cube, point_of(sensor), mosaic=bayer(), adc=FINE, seed=4, **more).codes
+    return acquired(cube, in_use(sensor), mosaic=bayer(), adc=FINE, seed=4, **more).codes
 
 
 def test_readings_of_a_mosaic_have_the_covariance_of_mixed_counts():
@@ -115,7 +113,7 @@ def test_readings_have_what_the_readout_adds_after_crosstalk(source, shared):
 
 def test_colors_have_the_covariance_of_readings_that_a_matrix_correlates():
     sensor = coupled(**NOISE)
-    picture = rendered(flat(512), point_of(sensor), seed=9)
+    picture = rendered(flat(512), in_use(sensor), seed=9)
     color = colored(seen_by(sensor), kernel_matrix(sensor, EXPOSURE))
     scale = 0.5 / color.mean[1]  # Y = 1 for a white
     parts = picture.xyz.reshape(64, -1, 3).astype(float)
@@ -134,7 +132,7 @@ def test_a_kernel_that_moves_nothing_leaves_each_pixel_as_it_is():
     same = coupled(np.array([[0.0, 0, 0], [0, 1.0, 0], [0, 0, 0]]), **noise)
     before, after = (codes_of(one, flat(64)).astype(int) for one in (pure(**noise), same))
     assert (np.abs(before - after) <= 1).mean() > 0.999  # rounding of the expected electrons
-    one, two = (rendered(flat(64), point_of(each), seed=4).xyz for each in (pure(**noise), same))
+    one, two = (rendered(flat(64), in_use(each), seed=4).xyz for each in (pure(**noise), same))
     assert (np.abs(one - two) < 1e-4).mean() > 0.999
 
 
@@ -143,7 +141,7 @@ def test_without_noise_a_flat_picture_repeats_its_mosaic_up_to_its_edges(pattern
     mosaic = mosaic_named(pattern)
     mixing = replace(crosstalk_of_kernel(KERNEL, mosaic, NAMES), stage="charge")
     sensor = with_crosstalk(pure(read_noise_e=0.0), mixing)
-    found = acquired(flat(18), point_of(sensor), mosaic=mosaic, adc=FINE, noisy=False)
+    found = acquired(flat(18), in_use(sensor), mosaic=mosaic, adc=FINE, noisy=False)
     assert found.mean_e == pytest.approx(seen_by(sensor).mean, rel=1e-5)
     np.testing.assert_array_equal(found.codes, np.tile(found.codes[6:12, 6:12], (3, 3)))
 
@@ -167,7 +165,7 @@ def test_codes_and_colors_are_the_same_for_any_threads_tiles_and_executor(mosaic
     cube = Cube(stored=reflectance.astype(np.float32), scale=1.0, wavelength_nm=AT, source="random")
     pattern = mosaic_named(mosaic)
     mixing = replace(crosstalk_of_kernel(KERNEL, pattern, NAMES), stage="charge")
-    point = point_of(with_crosstalk(pure(**NOISE, row_noise_e=2.0), mixing))
+    point = in_use(with_crosstalk(pure(**NOISE, row_noise_e=2.0), mixing))
     with ThreadPoolExecutor(2) as pool:
         works = [
             Work(threads=1, tile_rows=37),
@@ -192,7 +190,7 @@ def test_only_codes_of_a_matrix_without_neighbors_are_told_to_be_mixed_before_co
         mosaic=bayer(), raw=raw, demosaic=None, pixel=PixelOverrides(), seed=0, clip=False,
         beyond="refuse", bad_pixels="refuse", formats=None,
     )  # fmt: skip
-    point = point_of(sensor)
+    point = in_use(sensor)
     matrix = kernel_matrix(sensor, EXPOSURE)
     camera = camera_for(flat(8), point, matrix, asked)
     notes = [note for note in camera.operating_point.sensor.notes if "before counting" in note]
@@ -202,14 +200,14 @@ def test_only_codes_of_a_matrix_without_neighbors_are_told_to_be_mixed_before_co
 @pytest.mark.parametrize("method", ["bilinear", "malvar"])
 def test_the_noise_of_a_demosaicked_picture_is_that_of_its_counts_and_readout(method):
     sensor, matrix = coupled(**NOISE), kernel_matrix(coupled(), EXPOSURE)
-    bank = DEMOSAICING[method](bayer(), point_of(sensor))
+    bank = DEMOSAICING[method](bayer(), in_use(sensor))
     gray = flat_field(LAMP, level_lux=10.0, reflectance=0.5)
-    told = developed_color(gray, point_of(sensor), bank, FINE, matrix=matrix)
+    told = developed_color(gray, in_use(sensor), bank, FINE, matrix=matrix)
     white = matrix.matrix @ (2 * seen_by(sensor).mean)
     found = []
     for number in range(12):
         one = replace(sensor, name=f"camera {number}")
-        raw = acquired(flat(128), point_of(one), mosaic=bayer(), adc=FINE, seed=number)
+        raw = acquired(flat(128), in_use(one), mosaic=bayer(), adc=FINE, seed=number)
         xyz = developed(raw, bank, matrix=matrix).xyz[8:-8, 8:-8] * white[1]
         found.append([[np.cov(xyz[a::2, b::2].reshape(-1, 3).T) for b in (0, 1)] for a in (0, 1)])
     error = np.std(found, axis=0, ddof=1) / np.sqrt(12)

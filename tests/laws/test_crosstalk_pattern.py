@@ -14,7 +14,6 @@ from chromanoise.imaging import DEMOSAICING, acquired, developed, developed_colo
 from chromanoise.metrics import illuminance_for_snr
 from chromanoise.noise import (
     Exposure,
-    OperatingPoint,
     channel_distribution,
     expected_electrons,
     few_electrons,
@@ -42,7 +41,7 @@ from chromanoise.study.analysis import temporal_raw_snr_db
 from chromanoise.study.camera_pipeline import pipeline_noise
 from chromanoise.study.color_noise import color_budgets, contravariant_budgets, lab_budgets
 from noise_samples import noise_of
-from strategies import flat_cube
+from strategies import flat_cube, point_of
 
 LAMP = equal_energy(DEFAULT_GRID)
 WHITE = flat_field(LAMP, level_lux=10.0)
@@ -72,10 +71,6 @@ def crossed(mosaic="rgbw-4x4", stage="light", kernel=None, **pixel):
 
 def read(sensor, light=1.0, **more):
     return with_noise(light * expected_electrons(WHITE, sensor, EXPOSURE), sensor, EXPOSURE, **more)
-
-
-def point_of(sensor):
-    return OperatingPoint(sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=10.0)
 
 
 def mixed(values, kernel):
@@ -237,7 +232,7 @@ def test_raw_codes_of_a_flat_have_the_variance_of_the_analysis(mosaic, stage):
     sensor = crossed(mosaic, stage, cross(0.2), gain_e_per_dn=0.5, **NOISE)
     channel, found, means = tiled(sensor.mosaic, sensor.names, 128), [], []
     for number in range(16):
-        one = point_of(replace(sensor, name=f"camera {number}"))
+        one = point_of(replace(sensor, name=f"camera {number}"), exposure=EXPOSURE)
         raw = acquired(
             flat_cube(DEFAULT_GRID.wavelength_nm, 1.0, height=128, width=128), one, adc=adc
         )
@@ -252,13 +247,13 @@ def test_raw_codes_of_a_flat_have_the_variance_of_the_analysis(mosaic, stage):
 def test_demosaiced_pictures_have_the_means_and_the_noise_of_their_places(stage):
     sensor = crossed("rgbw-4x4", stage, cross(0.2), **NOISE)
     mosaic, matrix = sensor.mosaic, kernel_matrix(sensor, EXPOSURE)
-    bank = DEMOSAICING["bilinear"](mosaic, point_of(sensor))
+    bank = DEMOSAICING["bilinear"](mosaic, point_of(sensor, exposure=EXPOSURE))
     adc = Adc(bits=16, gain_e_per_dn=0.5, black_level_dn=2000)
-    told = developed_color(WHITE, point_of(sensor), bank, adc, matrix=matrix)
+    told = developed_color(WHITE, point_of(sensor, exposure=EXPOSURE), bank, adc, matrix=matrix)
     white = (matrix.matrix @ read(sensor).mean)[1]
     means, variances = [], []
     for number in range(12):
-        one = point_of(replace(sensor, name=f"camera {number}"))
+        one = point_of(replace(sensor, name=f"camera {number}"), exposure=EXPOSURE)
         flat = flat_cube(DEFAULT_GRID.wavelength_nm, 1.0, height=128, width=128)
         raw = acquired(flat, one, adc=adc, seed=number)
         xyz = developed(raw, bank, matrix=matrix).xyz[8:-8, 8:-8].astype(float) * white

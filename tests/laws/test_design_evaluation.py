@@ -15,7 +15,7 @@ from chromanoise.apps.design.parameters import (
     over_tolerances,
 )
 from chromanoise.metrics import chart_ciede2000
-from chromanoise.noise import Exposure, OperatingPoint
+from chromanoise.noise import Exposure
 from chromanoise.sensor import PIXEL, Converter, Crosstalk, Pixel, Sensor
 from chromanoise.spectra import (
     OBSERVERS,
@@ -28,6 +28,7 @@ from chromanoise.spectra import (
 )
 from dear import dear
 from outcomes import refused_input
+from strategies import point_of
 
 GRID = Grid.uniform(400, 1000, 20)
 NM = GRID.wavelength_nm
@@ -63,10 +64,9 @@ def scene_of(rng, matrix="kernel", p=3, **changes):
         names=tuple(f"c{i}" for i in range(p)), converter=Converter(bits=16),  # 15 e- per code
     )  # fmt: skip
     lamp = illuminant_named(str(rng.choice(["E", "D65", "A"])), GRID, beyond="zero")
-    point = OperatingPoint(
-        sensor=sensor, exposure=Exposure(time_s=rng.uniform(0.002, 0.02)), illuminant=lamp,
-        level_lux=rng.uniform(1, 100), observer=str(rng.choice(list(OBSERVERS))),
-    )  # fmt: skip
+    exposure = Exposure(time_s=rng.uniform(0.002, 0.02))
+    level_lux, observer = rng.uniform(1, 100), str(rng.choice(list(OBSERVERS)))
+    point = point_of(sensor, level_lux, exposure=exposure, illuminant=lamp, observer=observer)
     metric = str(rng.choice(["quanta", "energy"]))
     return DesignScene(point=replace(point, **changes), matrix=matrix, metric=metric)
 
@@ -79,9 +79,7 @@ def plain_scene(matrix="kernel", pixel=QUIET, time_s=0.01, level_lux=10.0, p=3, 
         names=tuple("RGBWXYZV"[:p]),
         pixel=pixel,
     )
-    point = OperatingPoint(
-        sensor=sensor, exposure=Exposure(time_s=time_s), illuminant=E_LAMP, level_lux=level_lux
-    )
+    point = point_of(sensor, level_lux, exposure=Exposure(time_s=time_s))
     return DesignScene(point=replace(point, **changes), matrix=matrix)
 
 

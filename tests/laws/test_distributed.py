@@ -29,23 +29,20 @@ from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.plans import ElectronPlan, light_of, plan_for_rows
 from chromanoise.imaging.shared_rows import row_blocks
 from chromanoise.io.cubes import read_cube
-from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import bayer
-from chromanoise.spectra import Cube, equal_energy
+from chromanoise.spectra import Cube
 from chromanoise.spectra.scene_rows import FileRows
 from dear import dear
 from outcomes import refused, refused_input, same_bits
 from processes import command, wait_for
-from strategies import EXPOSURE, GRID, bell_qe, sensor_of, with_pixel_of
+from strategies import bell_qe, point_of, sensor_of, with_pixel_of
 
 ROWS, COLUMNS = 41, 25
 WAVELENGTH = np.linspace(400, 700, 31)
 SENSOR = sensor_of(
     bell_qe([600.0, 540.0, 450.0], [35.0, 35.0, 25.0], [0.6, 0.7, 0.6]), names=("R", "G", "B")
 )
-SITUATION = OperatingPoint(
-    sensor=SENSOR, exposure=EXPOSURE, illuminant=equal_energy(GRID), level_lux=30.0
-)
+SITUATION = point_of(SENSOR, 30.0)
 
 
 def reflectances():

@@ -24,7 +24,6 @@ from chromanoise.imaging.blocks import flattened
 from chromanoise.imaging.plans import draw_of
 from chromanoise.noise import (
     Exposure,
-    OperatingPoint,
     Readout,
     band_weights,
     expected_electrons,
@@ -35,7 +34,7 @@ from chromanoise.sensor import Adc, Mosaic, adc_to_full_well, bayer, rgbw_sparse
 from chromanoise.spectra import Cube, cie_a, flat_field
 from chromanoise.spectra.scene_rows import PaletteRows
 from outcomes import refused_input, same_bits
-from strategies import GRID, bell_qe, flat_cube, pixel_with, sensor_of, with_pixel_of
+from strategies import GRID, bell_qe, flat_cube, pixel_with, point_of, sensor_of, with_pixel_of
 
 LAMP = cie_a(GRID)
 
@@ -50,12 +49,8 @@ def sensor_with(channels, read_noise_e=5.0, full_well_e=1e6):
 
 
 def used(channels=3, time_s=0.02, level_lux=10.0, **pixel):
-    return OperatingPoint(
-        sensor=sensor_with(channels, **pixel),
-        exposure=Exposure(time_s=time_s),
-        illuminant=LAMP,
-        level_lux=level_lux,
-    )
+    sensor = sensor_with(channels, **pixel)
+    return point_of(sensor, level_lux, exposure=Exposure(time_s=time_s), illuminant=LAMP)
 
 
 def stored(height=7, width=300, dtype=np.float32):
@@ -504,13 +499,6 @@ def test_a_view_is_read_as_it_lies(columns, bands):
 
 def test_more_light_than_can_be_counted_is_refused():
     cube = flat_cube(GRID.wavelength_nm, 0.5, height=2, width=2)
-    aperture = OperatingPoint(
-        sensor=replace(
-            sensor_with(3), pixel=replace(sensor_with(3).pixel, pitch_um=1e6, full_well_e=1e12)
-        ),
-        exposure=Exposure(time_s=1e12, f_number=0.5),
-        illuminant=LAMP,
-        level_lux=1e15,
-    )
+    bright = with_pixel_of(used(3, 1e12, 1e15), pitch_um=1e6, full_well_e=1e12)
     with refused_input(subject="electrons per number of a flat cube"):
-        rendered(cube, aperture)
+        rendered(cube, bright)

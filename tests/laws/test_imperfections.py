@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from chromanoise.imaging import acquired, rendered
-from chromanoise.noise import Exposure, OperatingPoint
+from chromanoise.noise import Exposure
 from chromanoise.sensor import Adc, Mosaic, bayer
 from chromanoise.spectra import Cube, cie_a
 from goodness import correlation_z
 from outcomes import refused_input
-from strategies import GRID, bell_qe, flat_cube, pixel_with, sensor_of, with_pixel_of
+from strategies import GRID, bell_qe, flat_cube, pixel_with, point_of, sensor_of, with_pixel_of
 
 RED_ONLY = Mosaic((("R",),))
 
@@ -18,12 +18,8 @@ def used(channels=3, *, level_lux=10.0, read_noise_e=5.0, full_well_e=1e6):
     """A toy of this many channels, 20 ms in the light of a lamp."""
     qe = bell_qe(np.linspace(430, 670, channels), np.full(channels, 35.0), np.full(channels, 0.6))
     pixel = pixel_with(read_noise_e, full_well_e=full_well_e)
-    return OperatingPoint(
-        sensor=sensor_of(qe, names=tuple("RGB"[:channels]), pixel=pixel, name="toy"),
-        exposure=Exposure(time_s=0.02),
-        illuminant=cie_a(GRID),
-        level_lux=level_lux,
-    )
+    sensor = sensor_of(qe, names=tuple("RGB"[:channels]), pixel=pixel)
+    return point_of(sensor, level_lux, exposure=Exposure(time_s=0.02), illuminant=cie_a(GRID))
 
 
 def varied_cube():

@@ -15,7 +15,6 @@ from chromanoise.metrics import snr_db
 from chromanoise.noise import (
     Exposure,
     NoiseSources,
-    OperatingPoint,
     Readout,
     few_electrons,
     monte_carlo,
@@ -38,7 +37,7 @@ from chromanoise.sensor import (
 from chromanoise.sensor.noise_sources import FIXED, SOURCES
 from chromanoise.spectra import DEFAULT_GRID, Grid, equal_energy, flat_field
 from chromanoise.study import analyzed, color_budgets, sensor_named
-from strategies import flat_cube, white_channel
+from strategies import flat_cube, point_of, white_channel
 
 TIME_S, STEP_E, BLACK_DN = 0.02, 0.25, 4000
 GRID = Grid.uniform(500, 600, 10)
@@ -73,9 +72,7 @@ def camera(pixel, name="one"):
 
 
 def point(pixel, name="one"):
-    return OperatingPoint(
-        sensor=camera(pixel, name), exposure=EXPOSURE, illuminant=equal_energy(GRID), level_lux=2.0
-    )
+    return point_of(camera(pixel, name), 2.0, exposure=EXPOSURE)
 
 
 def flat(height=SIDE, width=SIDE):
@@ -184,9 +181,7 @@ def test_color_pictures_of_summed_readings_have_a_telegraph_level_for_each():
 
 def test_channels_of_a_color_picture_have_column_offsets_of_their_own():
     sensor = with_pixel(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), {"column_noise_e": 300.0})
-    one = OperatingPoint(
-        sensor=sensor, exposure=EXPOSURE, illuminant=equal_energy(DEFAULT_GRID), level_lux=2.0
-    )
+    one = point_of(sensor, 2.0, exposure=EXPOSURE)
     cube = flat_cube(DEFAULT_GRID.wavelength_nm, 1.0, height=16, width=2000)
     columns = rendered_electrons(cube, one, work=Work(threads=1)).values_e.mean(axis=0)
     correlation = np.corrcoef(columns.T)

@@ -15,7 +15,7 @@ from chromanoise.color import kernel_matrix, least_squares, nir_diverse, scene_x
 from chromanoise.color.training import training_response
 from chromanoise.geometry import angles_to_axes_deg
 from chromanoise.metrics import chart_color_error, matrix_report
-from chromanoise.noise import Exposure, OperatingPoint, measurement_vectors, white_scene
+from chromanoise.noise import Exposure, measurement_vectors, white_scene
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
     DEFAULT_GRID,
@@ -38,7 +38,7 @@ from chromanoise.study import (
 )
 from chromanoise.study.color_matrices import training_named
 from chromanoise.study.sweeps import QUANTITIES, color_error, color_errors
-from strategies import EXPOSURE, GRID, PIXEL, sensor_of, sensors
+from strategies import EXPOSURE, GRID, PIXEL, point_of, sensor_of, sensors
 
 OTHERS = [name for name in OBSERVERS if name != "cie-1931-2"]
 TABLES = {
@@ -75,12 +75,6 @@ def eye(observer, grid=DEFAULT_GRID):
         qe=0.9 * per_photon / per_photon.max(),
         names=("l", "m", "s"),
         pixel=PIXEL,
-    )
-
-
-def point_of(sensor, observer, *, lamp=LAMP, level_lux=10.0, exposure=EXPOSURE):
-    return OperatingPoint(
-        sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=level_lux, observer=observer
     )
 
 
@@ -125,7 +119,7 @@ def test_a_sensor_with_the_functions_of_an_observer_has_no_color_error_for_it(ob
     for name in ("kernel", "least-squares"):
         (maker,) = matrix_makers([name], "quanta").values()
         for lamp in (LAMP, cie_a(DEFAULT_GRID)):
-            own = maker(point_of(sensor, observer, lamp=lamp, exposure=EYE_EXPOSURE))
+            own = maker(point_of(sensor, exposure=EYE_EXPOSURE, illuminant=lamp, observer=observer))
             error = chart_color_error(sensor, own, EYE_EXPOSURE, lamp)
             assert own.observer == observer
             assert error.max() == pytest.approx(0.0, abs=1e-7)
@@ -175,7 +169,7 @@ def test_a_training_set_has_the_colors_of_its_observer(observer):
 @each_observer
 def test_a_fitted_matrix_is_for_the_observer_of_its_point(observer, method):
     (maker,) = matrix_makers([method], "quanta").values()
-    point = point_of(eye(observer), observer, exposure=EYE_EXPOSURE)
+    point = point_of(eye(observer), exposure=EYE_EXPOSURE, observer=observer)
     matrix = maker(point)
     np.testing.assert_allclose(
         matrix.matrix @ (measurement_vectors(point.sensor, EYE_EXPOSURE, "quanta").T),
@@ -187,7 +181,8 @@ def test_a_fitted_matrix_is_for_the_observer_of_its_point(observer, method):
 
 @pytest.mark.parametrize("observer", OTHERS)
 def test_many_levels_at_once_give_the_colors_of_each_level(observer):
-    point = point_of(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), observer, exposure=EYE_EXPOSURE)
+    sensor = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
+    point = point_of(sensor, exposure=EYE_EXPOSURE, observer=observer)
     (maker,) = matrix_makers(["lmmse"], "quanta").values()
     levels = np.array([0.3, 3.0, 30.0])
     matrices = maker.over_levels(point, levels)

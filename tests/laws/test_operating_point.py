@@ -8,7 +8,6 @@ import pytest
 from chromanoise.color import kernel_matrix
 from chromanoise.noise import (
     Exposure,
-    OperatingPoint,
     Readout,
     conditions,
     expected_electrons,
@@ -20,12 +19,11 @@ from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy
 from chromanoise.study import analyzed, coordinate_budget, electrons_at, sensor_named, stages_at
 from chromanoise.study.sweeps import QUANTITIES
 from outcomes import refused_input
+from strategies import point_of
 
 LAMP = equal_energy(DEFAULT_GRID)
 SENSOR = sensor_named("onyx-rgbw", DEFAULT_GRID)
-POINT = OperatingPoint(
-    sensor=SENSOR, exposure=Exposure(time_s=0.012), illuminant=LAMP, level_lux=10.0
-)  # fmt: skip
+POINT = point_of(SENSOR, exposure=Exposure(time_s=0.012))
 MATRIX = kernel_matrix(SENSOR, POINT.exposure)
 LEVELS = np.array([0.1, 3.0, 40.0])
 PATCHES = colorchecker(DEFAULT_GRID).values.T[[0, 18, 23]]

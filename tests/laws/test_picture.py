@@ -7,7 +7,7 @@ from hypothesis import given, settings, strategies as st
 from chromanoise.color import adapted_to_d65, colored, kernel_matrix, srgb_from_xyz
 from chromanoise.imaging import Work, rendered
 from chromanoise.metrics import snr_db
-from chromanoise.noise import Exposure, OperatingPoint, expected_electrons, with_noise
+from chromanoise.noise import Exposure, expected_electrons, with_noise
 from chromanoise.spectra import (
     BUILTIN_CUBES,
     Cube,
@@ -18,7 +18,7 @@ from chromanoise.spectra import (
     reflectance_rows,
 )
 from outcomes import same_bits
-from strategies import GRID, bell_qe, pixel_with, sensor_of
+from strategies import GRID, bell_qe, pixel_with, point_of, sensor_of
 
 LAMP = cie_a(GRID)
 RGB = bell_qe([450, 540, 610], [30, 45, 40], [0.6, 0.7, 0.6])
@@ -32,7 +32,7 @@ def picture_of(cube, sensor=SENSOR, **more):
 
 
 def used(sensor=SENSOR, exposure=EXPOSURE):
-    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=LUX)
+    return point_of(sensor, LUX, exposure=exposure, illuminant=LAMP)
 
 
 def grey(reflectance=0.5, height=40, width=50):

@@ -33,11 +33,10 @@ from chromanoise.imaging.writers import (
     write_xyz_tiff,
     xyz_tiff_rows,
 )
-from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import Adc, bayer, rgbw_sparse_4x4
 from chromanoise.spectra import cie_a, flat_cube
 from outcomes import refused_input
-from strategies import EXPOSURE, GRID, bell_qe, sensor_of
+from strategies import GRID, bell_qe, point_of, sensor_of
 
 ADC = Adc(bits=12, gain_e_per_dn=2.5, black_level_dn=64)
 TOLD = {"sensor_name": "toy", "mosaic": bayer(), "adc": ADC}
@@ -369,7 +368,7 @@ def test_without_openexr_the_command_that_installs_it_is_told(tmp_path, monkeypa
 
 
 RGB = sensor_of(bell_qe([450, 540, 610], [30, 45, 40], [0.6, 0.7, 0.6]), names=("B", "G", "R"))
-SITUATION = OperatingPoint(sensor=RGB, exposure=EXPOSURE, illuminant=cie_a(GRID), level_lux=10.0)
+SITUATION = point_of(RGB, illuminant=cie_a(GRID))
 GREY = flat_cube(GRID.wavelength_nm, 0.5, height=4, width=6)
 
 

@@ -24,7 +24,6 @@ from chromanoise.imaging import acquired
 from chromanoise.metrics import illuminance_for_snr, noise_speed, snr_db
 from chromanoise.noise import (
     Exposure,
-    OperatingPoint,
     Readout,
     expected_electrons,
     monte_carlo,
@@ -67,7 +66,7 @@ from chromanoise.study.analysis import (
 from goodness import moments_z
 from noise_samples import noise_of
 from outcomes import refused_input
-from strategies import GRID, flat_cube, pixel_with
+from strategies import GRID, flat_cube, pixel_with, point_of
 
 LAMP = equal_energy(DEFAULT_GRID)
 WHITE = flat_field(LAMP, level_lux=10.0)
@@ -486,7 +485,7 @@ def drawn_sensors():
 DRAWN = drawn_sensors()
 
 
-def point_of(sensor, number):
+def electrons_and_rows(sensor, number):
     """The light spans five decades over the sensors."""
     scene = flat_field(LAMP, level_lux=10 ** (-2 + number % 6))
     mean_e = expected_electrons(scene, sensor, EXPOSURE)
@@ -515,7 +514,7 @@ def plain_readings(mean_e, sensor, draws, rng):
 
 def plain_scores(sensor, number, draws, chunk=100_000):
     """z of mean, variance and covariance of raw, and of mean and variance of X, Y, Z."""
-    mean_e, rows = point_of(sensor, number)
+    mean_e, rows = electrons_and_rows(sensor, number)
     result = with_noise(mean_e, sensor, EXPOSURE)
     expected = rows @ result.mean
     covariance = rows @ result.covariance @ rows.T
@@ -535,7 +534,7 @@ def plain_scores(sensor, number, draws, chunk=100_000):
 
 def estimated_scores(sensor, number, draws):
     """The same by `monte_carlo` with all noise sources of the pixel: mean and deviation."""
-    mean_e, rows = point_of(sensor, number)
+    mean_e, rows = electrons_and_rows(sensor, number)
     result = with_noise(mean_e, sensor, EXPOSURE)
     noise = noise_sources(sensor, EXPOSURE)
     drawn = monte_carlo(mean_e, sensor.pixel, rows, draws=draws, seed=number, noise=noise)
@@ -696,9 +695,7 @@ def test_flat_fields_with_all_sources_scatter_as_the_closed_form_tells(stage):
     """
     sensor = with_pixel(one_channel(), PICTURE)
     sensor = replace(sensor, converter=Converter(bits=16, gain_e_per_dn=GAIN))
-    point = OperatingPoint(
-        sensor=sensor, exposure=EXPOSURE, illuminant=equal_energy(GRID), level_lux=30.0
-    )
+    point = point_of(sensor, 30.0)
     adc = Adc(bits=16, gain_e_per_dn=GAIN, black_level_dn=BLACK_DN)
     cube = flat_cube(GRID.wavelength_nm, 0.5, height=SIDE, width=SIDE)
     pictures = [
@@ -744,7 +741,7 @@ def test_the_picture_of_a_mosaic_takes_crosstalk_into_its_means():
         sensor_named("model-rgb-ircut", DEFAULT_GRID),
         crosstalk_of_share(0.2, bayer(), ("R", "G", "B")),
     )
-    point = OperatingPoint(sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=10.0)
+    point = point_of(sensor)
     cube = flat_cube(AT, 0.4, height=16, width=16)
     found = acquired(cube, point, mosaic=bayer(), noisy=False).mean_e
     expected = expected_electrons(

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 from unittest.mock import ANY
 
 import jaxtyping
@@ -15,7 +16,6 @@ from chromanoise.io import read_sensor_csv
 from chromanoise.noise import (
     Exposure,
     Measurement,
-    OperatingPoint,
     expected_electrons,
     monte_carlo,
     raw_covariance,
@@ -41,11 +41,12 @@ from chromanoise.spectra import (
 )
 from chromanoise.study import analyzed, sensor_named
 from outcomes import refused_input
-from strategies import EXPOSURE, GRID, PIXEL, sensor_of, white_channel
+from strategies import EXPOSURE, GRID, PIXEL, point_of, sensor_of, white_channel
 
 NAN, INF = float("nan"), float("inf")
 LAMP = equal_energy(GRID)
 WHITE = flat_field(LAMP, level_lux=10.0)
+used = partial(point_of, white_channel())
 
 
 def with_entry(shape, index, value, fill=0.5):
@@ -83,15 +84,6 @@ def cube_with(value):
 
 def picture_of(cube, **more):
     return rendered(cube, used(), **more)
-
-
-def used(illuminant=None, level_lux=10.0):
-    return OperatingPoint(
-        sensor=white_channel(),
-        exposure=EXPOSURE,
-        illuminant=illuminant or LAMP,
-        level_lux=level_lux,
-    )
 
 
 def measurement(mean=(1.0, 2.0), covariance=((1.0, 0.0), (0.0, 1.0)), names=("a", "b")):
@@ -226,7 +218,7 @@ REFUSED = (
     ("level_lux; [lx]; -4", lambda: rendered(cube_with(0.5), used(level_lux=-4.0))),
     (
         "grid; 450-750 nm @10; 400-700 nm @10",
-        lambda: rendered(cube_with(0.5), used(equal_energy(Grid.uniform(450, 750, 10)))),
+        lambda: rendered(cube_with(0.5), used(illuminant=equal_energy(Grid.uniform(450, 750, 10)))),
     ),
     ("cheker", lambda: builtin_cube("builtin:cheker")),
     ("one point; (2, 31)", lambda: analyzed(lit(np.ones((2, GRID.n))), white_channel(), EXPOSURE)),

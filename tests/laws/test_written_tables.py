@@ -39,12 +39,13 @@ from chromanoise.io.spectra.writing import (
     spectra_csv,
     spectra_spdx,
 )
-from chromanoise.noise import Exposure, OperatingPoint
+from chromanoise.noise import Exposure
 from chromanoise.sensor import Mosaic, Pixel, Sensor
-from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
+from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, read_spectra_csv
 from chromanoise.study import compared, sensor_named
 from chromanoise.study.results import analyses_as_table, curves_as_table
 from outcomes import refused_input
+from strategies import point_of, white_channel
 
 SMALL = Grid.uniform(400, 420, 10)
 PIXEL = Pixel(pitch_um=2.2, full_well_e=6000.1, read_noise_e=0.1 + 0.2)
@@ -508,19 +509,7 @@ def test_analyses_are_rows_with_the_snr_of_the_paper_and_their_warning(study):
 
 def test_a_comparison_has_a_row_per_light_and_nothing_where_nothing_is_defined():
     # one channel of 0.5 QE: 10 e- of readout, and saturated at the brightest light
-    sensor = Sensor(
-        name="W",
-        grid=DEFAULT_GRID,
-        qe=np.full((DEFAULT_GRID.n, 1), 0.5),
-        names=("W",),
-        pixel=Pixel(pitch_um=10.0, full_well_e=1e4, read_noise_e=10.0),
-    )
-    used = OperatingPoint(
-        sensor=sensor,
-        exposure=Exposure(time_s=0.01),
-        illuminant=equal_energy(DEFAULT_GRID),
-        level_lux=1.0,
-    )
+    used = point_of(white_channel(grid=DEFAULT_GRID), 1.0)
     makers = {"kernel": lambda s: kernel_matrix(s.sensor, s.exposure, "quanta")}
     curves = compared([used], makers, np.array([1.0, 2.0, 1e4]))
     rows = list(csv.reader(io.StringIO(table_csv(curves_as_table(curves)))))

@@ -10,12 +10,12 @@ from hypothesis import given, settings, strategies as st
 from chromanoise.color import kernel_matrix, linear_srgb
 from chromanoise.imaging import acquired
 from chromanoise.imaging.dng import RawProfile, camera_matrix, dng_rows, raw_profile, write_dng
-from chromanoise.noise import Exposure, OperatingPoint, expected_electrons
+from chromanoise.noise import Exposure, expected_electrons
 from chromanoise.sensor import Adc, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.sensor.camera_noise import noise_profile
 from chromanoise.spectra import Scene, cie_illuminant
 from outcomes import refused_input
-from strategies import GRID, bell_qe, flat_cube, pixel_with, sensor_of
+from strategies import GRID, bell_qe, flat_cube, pixel_with, point_of, sensor_of
 
 rawpy = pytest.importorskip("rawpy")
 
@@ -70,8 +70,7 @@ def profile_of(mosaic, adc=ADC, **changed):
 
 
 def seen_by(names, lamp=LAMP, **more):
-    sensor = camera(names, **more)
-    return OperatingPoint(sensor=sensor, exposure=EXPOSURE, illuminant=lamp, level_lux=20.0)
+    return point_of(camera(names, **more), 20.0, exposure=EXPOSURE, illuminant=lamp)
 
 
 def electrons_of(operating_point, reflectance=None):

@@ -12,7 +12,6 @@ import pytest
 from chromanoise.base.rng import stream
 from chromanoise.noise import (
     Exposure,
-    OperatingPoint,
     expected_electrons,
     noise_sources,
     sample_electrons,
@@ -27,6 +26,7 @@ from chromanoise.study import (
     sensor_named,
 )
 from dear import dear_if
+from strategies import point_of
 
 LAMP = equal_energy(DEFAULT_GRID)
 RHO = colorchecker(DEFAULT_GRID).values.T
@@ -55,9 +55,7 @@ IDS = [f"{name}-{matrix}-{more.get('tone', 'srgb')}" for name, matrix, _, more i
 @cache
 def analysis_of(name, matrix, pixel):
     sensor = with_pixel(sensor_named(name, DEFAULT_GRID), dict(pixel))
-    point = OperatingPoint(
-        sensor=sensor, exposure=Exposure(time_s=0.011), illuminant=LAMP, level_lux=10.0
-    )
+    point = point_of(sensor, exposure=Exposure(time_s=0.011))
     maker = matrix_makers([matrix], "quanta", prior="chart")[matrix]
     return analyzed(flat_field(LAMP, level_lux=10.0), sensor, point.exposure, matrix=maker(point))
 

@@ -18,7 +18,7 @@ from chromanoise.imaging import DEMOSAICING, acquired, developed, rendered
 from chromanoise.imaging.capture import write_capture
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.sensor_files import sensor_json
-from chromanoise.noise import OperatingPoint, saturating_exposure
+from chromanoise.noise import saturating_exposure
 from chromanoise.sensor import (
     EXTRA_NOISE,
     Mosaic,
@@ -32,6 +32,7 @@ from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import sensor_named
 from outcomes import refused
 from processes import IGNORING, command, wait_for
+from strategies import point_of
 
 ROWS, COLUMNS = 27, 23  # no whole number of tiles; DNG needs 22
 IMPERFECT = {
@@ -85,7 +86,7 @@ def used(name, lux=10.0, **pixel):
     sensor = with_pixel(sensor_named(name, DEFAULT_GRID), pixel)
     white = flat_field(lamp, level_lux=lux)
     exposure = saturating_exposure(white, sensor, f_number=1.8, share=0.99)
-    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
+    return point_of(sensor, lux, exposure=exposure)
 
 
 def codes_in(folder, stem):
