@@ -94,6 +94,25 @@ def within(name: str, unit: str, value: float, low: float, high: float) -> float
     return number
 
 
+def whole(name: str, value: Any, least: int, most: int, *, most_as: str = "") -> int:
+    """A whole number from ``least`` to ``most``, which an error may write in another way.
+
+    Examples
+    --------
+    >>> whole("frames", 12.0, 2, 1000)
+    12
+    """
+    if isinstance(value, bool) or not least <= value <= most or int(value) != value:
+        demand = f"must be a whole number from {least} to {most_as or most}"
+        raise InputError(name, demand, value=value)
+    return int(value)
+
+
+def whole_of_bits(name: str, value: Any, bits: int) -> int:
+    """A whole number >= 0 of so many bits."""
+    return whole(name, value, 0, (1 << bits) - 1, most_as=f"2^{bits} - 1")
+
+
 def increasing(name: str, unit: str, values: Any) -> Array:
     """At least two finite values, each larger than the one before."""
     array = finite(name, unit, values)
@@ -204,7 +223,7 @@ def _demand(
     return array
 
 
-def printable(name: str) -> str:
+def printable(name: str, most: int | None = 40) -> str:
     r"""A name from a file, shortened, with unprintable characters replaced.
 
     Examples
@@ -212,4 +231,4 @@ def printable(name: str) -> str:
     >>> printable("wave\x00length")
     'wave?length'
     """
-    return "".join(c if c.isprintable() else "?" for c in name[:40])
+    return "".join(c if c.isprintable() else "?" for c in name[:most])

@@ -82,8 +82,8 @@ def noisy_electrons(
     noise = check.within("read_noise_e", "e-", read_noise_e, 0.0, _MOST_E)
     height, own_width, channels = mean_e.shape
     width = own_width if width is None else width
-    _whole("seed", seed, _SEED_BITS)
-    _whole("frame", frame, _FRAME_BITS)
+    check.whole_of_bits("seed", seed, _SEED_BITS)
+    check.whole_of_bits("frame", frame, _FRAME_BITS)
     if threads is not None and threads < 1:
         raise InputError("threads", "must be at least 1", value=threads)
     _demand_room(mean_e.shape, first_row, first_column, width)
@@ -122,11 +122,6 @@ def _fill(
         return sum(map(fill, starts))
     with ThreadPoolExecutor(workers) as pool:
         return sum(pool.map(fill, starts))
-
-
-def _whole(name: str, value: int, bits: int) -> None:
-    if value != int(value) or not 0 <= value < 1 << bits:
-        raise InputError(name, f"must be a whole number from 0 to 2^{bits} - 1", value=value)
 
 
 def _demand_room(shape: tuple[int, ...], first_row: int, first_column: int, width: int) -> None:

@@ -33,13 +33,6 @@ MOST_BINNING = 10_000
 """Most pixels that are summed."""
 
 
-def _pixels(name: str, count: float) -> int:
-    """A number of pixels that are summed."""
-    if isinstance(count, bool) or not 1 <= count <= MOST_BINNING or int(count) != count:
-        raise InputError(name, f"must be a whole number from 1 to {MOST_BINNING}", value=count)
-    return int(count)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Pixel:
     """One pixel design, the same for all channels.
@@ -243,7 +236,8 @@ class Pixel:
         demand_properties(self)
         well_e = self.full_well_e
         check.within("black_error_e", "e-", self.black_error_e, -well_e, well_e)
-        object.__setattr__(self, "summed_pixels", _pixels("summed_pixels", self.summed_pixels))
+        summed = check.whole("summed_pixels", self.summed_pixels, 1, MOST_BINNING)
+        object.__setattr__(self, "summed_pixels", summed)
         if self.summed_readings not in (1, self.summed_pixels):
             raise InputError(
                 "summed_readings",
@@ -355,7 +349,7 @@ def binned(pixel: Pixel, pixels: int, mode: BinningMode = "charge") -> Pixel:
     >>> binned(PAPER_PIXEL, 4, "charge").read_noise_e
     10.0
     """
-    pixels = _pixels("binning", pixels)
+    pixels = check.whole("binning", pixels, 1, MOST_BINNING)
     check.one_of("binning_mode", mode, get_args(BinningMode))
     if pixel.summed_pixels != 1:
         raise InputError(

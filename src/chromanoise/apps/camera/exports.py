@@ -8,6 +8,7 @@ predicted with the measured variance through a color matrix.
 import math
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
+from functools import partial
 from typing import Any, ClassVar
 from xml.etree import ElementTree
 
@@ -39,6 +40,7 @@ from chromanoise.io import GivenMatrix
 from chromanoise.sensor import VarianceLaw, shot_and_dark
 
 _RGB = ("R", "G", "B")
+_printable = partial(check.printable, most=None)
 _HAAR = 0.25  # variance of white noise in the diagonal band of darktable's Haar transform
 _TOP_16 = 16  # bits of the scale of libcamera's tuning files
 
@@ -506,10 +508,6 @@ def _digits(value: float, shift: int = 0) -> str:
     if isinstance(value, int):
         return str(value)
     return str(Decimal(repr(float(value))).scaleb(shift)) if shift else repr(float(value))
-
-
-def _printable(text: str) -> str:
-    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

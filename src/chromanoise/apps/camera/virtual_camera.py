@@ -242,10 +242,10 @@ class VirtualCamera(PartialPixel):
                     remedy=(*map(Setting, one.needs), "omit it"),
                 )
         _ = self.reading  # refuses a pixel that cannot be
-        object.__setattr__(self, "bits", whole("bits", self.bits, 8, 16))
-        object.__setattr__(self, "seed", whole("seed", self.seed, 0, (1 << 128) - 1))
+        object.__setattr__(self, "bits", check.whole("bits", self.bits, 8, 16))
+        object.__setattr__(self, "seed", check.whole("seed", self.seed, 0, (1 << 128) - 1))
         object.__setattr__(self, "shape", self._checked_shape())
-        hot = whole("hot_pixels", self.hot_pixels, 0, math.prod(self.shape))
+        hot = check.whole("hot_pixels", self.hot_pixels, 0, math.prod(self.shape))
         object.__setattr__(self, "hot_pixels", hot)
         black_dn = check.within("black_level_dn", "DN", self.black_level_dn, 0, self.top_code - 1)
         object.__setattr__(self, "black_level_dn", black_dn)
@@ -297,7 +297,7 @@ class VirtualCamera(PartialPixel):
         InputError
             If the light is not given exactly once, or a number is out of range.
         """
-        whole("number", number, 0, 1_000_000_000)
+        check.whole("number", number, 0, 1_000_000_000)
         dark_e = self._dark_electrons(check.within("time_ms", "ms", time_ms, 0.0, 1e8))
         photons = self._photons(photons_per_pixel, electrons, dark, number)
         light_e = photons * self.qe * self._light_map()
@@ -365,7 +365,7 @@ class VirtualCamera(PartialPixel):
         if len(shape) != 2:
             raise InputError("shape", "must be rows and columns [px]", value=shape)
         rows, columns = (
-            whole("shape", side, 2 * least, _MOST_SIDE)
+            check.whole("shape", side, 2 * least, _MOST_SIDE)
             for side, least in zip(shape, self.pattern.shape, strict=True)
         )
         if rows * columns > _MOST_PIXELS:
@@ -489,13 +489,6 @@ def _blur_share(correlation: float) -> float:
     return (2 * c + 1 - math.sqrt(1 - 2 * c**2)) / (6 * c + 4)
 
 
-def whole(name: str, value: Any, least: int, greatest: int) -> int:
-    """A whole number in a range; raises `InputError` otherwise."""
-    if isinstance(value, bool) or not least <= value <= greatest or int(value) != value:
-        raise InputError(name, f"must be a whole number from {least} to {greatest}", value=value)
-    return int(value)
-
-
 PROPERTIES = {
     name: one for name, one in properties_of(VirtualCamera).items() if name not in _GEOMETRY
 }
@@ -566,9 +559,9 @@ def photon_transfer_frames(
     check.one_of("varied", varied, ("time", "light"))
     check.within("longest_time_ms", "ms", longest_time_ms, 1e-3, 1e7)
     check.within("brightest", "1", brightest, 0.01, 10.0)
-    whole("levels", levels, 2, _MOST_LEVELS)
-    whole("frames", frames, 2, _MOST_FRAMES)
-    whole("darks", darks, 1, _MOST_FRAMES)
+    check.whole("levels", levels, 2, _MOST_LEVELS)
+    check.whole("frames", frames, 2, _MOST_FRAMES)
+    check.whole("darks", darks, 1, _MOST_FRAMES)
     truth = camera.planes()
     photons = brightest * max(plane.full_well_e / plane.qe for plane in truth)
     lines = ["# Frames of a virtual camera; truth.toml has its true values."]

@@ -24,6 +24,7 @@ from chromanoise.base import (
     Integer,
     Setting,
     UInt8,
+    check,
     dataclass,
     plain,
 )
@@ -453,8 +454,7 @@ def benchmark_cells(
     Reflectances hold their last value where the cube does not cover the grid; invalid ones are 0.
     """
     chosen = [denoising_named(name) for name in methods]
-    if not 0 <= seed < 2**_SEED_BITS:
-        raise InputError("seed", f"must be a whole number from 0 to 2^{_SEED_BITS} - 1", value=seed)
+    check.whole_of_bits("seed", seed, _SEED_BITS)
     point = camera.point
     mean_e = electrons_of_cube(scene.cube, point, beyond="hold", bad_pixels="zero")
     noise = noise_sources(point.sensor, point.exposure)

@@ -126,7 +126,7 @@ class NoiseSampler:
     threads: int | None = None
 
     def __post_init__(self) -> None:
-        _whole("seed", self.seed, _SEED_BITS)
+        check.whole_of_bits("seed", self.seed, _SEED_BITS)
         if self.threads is not None and self.threads < 1:
             raise InputError("threads", "must be at least 1", value=self.threads)
 
@@ -297,7 +297,7 @@ class NoiseSampler:
 
     def _settings(self, item: int, iso: float | None) -> CameraNoise:
         """The camera for an item."""
-        _whole("item", item, _ITEM_BITS)
+        check.whole_of_bits("item", item, _ITEM_BITS)
         return self.camera.draw_settings(stream(self.seed, _SETTINGS, item), iso=iso)
 
     def _used(self, settings: CameraNoise, time_s: float | None) -> tuple[CameraNoise, float]:
@@ -416,7 +416,7 @@ def _maps(
     """Sensitivity and dark offset of each lane, and the offsets of an item; empty if not used."""
     from chromanoise.imaging import PIXEL_GAIN, PIXEL_OFFSET
 
-    _whole("pattern", pattern, _PATTERN_BITS)
+    check.whole_of_bits("pattern", pattern, _PATTERN_BITS)
     prnu, dsnu_e = camera.prnu, camera.dsnu_e
     return (
         _fixed_pattern(place, pattern, PIXEL_GAIN, prnu, 0.0) if prnu else _EMPTY,
@@ -626,8 +626,8 @@ def _channels(camera: CameraNoise, shape: tuple[int, ...], first_column: int) ->
 
 def _checked_origin(origin: tuple[int, int]) -> tuple[int, int]:
     row, column = origin
-    _whole("origin", row, 23)
-    _whole("origin", column, 23)
+    check.whole_of_bits("origin", row, 23)
+    check.whole_of_bits("origin", column, 23)
     return int(row), int(column)
 
 
@@ -647,8 +647,3 @@ def _refuse_clean(given: Array, lanes: Array, unit: Unit, first_row: int) -> Non
         f"{float(given[first]):g} at index {first} (from 0)",
         remedy="clip the clean picture to black",
     )
-
-
-def _whole(name: str, value: int, bits: int) -> None:
-    if isinstance(value, bool) or int(value) != value or not 0 <= value < 1 << bits:
-        raise InputError(name, f"must be a whole number from 0 to 2^{bits} - 1", value=value)
