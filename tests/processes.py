@@ -17,12 +17,33 @@ IGNORING = COMMAND.replace("signal.default_int_handler", "signal.SIG_IGN")
 """The command as a shell starts it in the background: with SIGINT ignored."""
 
 
+def printed(script, *arguments, cwd=None, **variables):
+    """What a script prints in a process of its own, which must succeed."""
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)], cwd=cwd, env=_with(variables),
+        capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def _with(variables):
+    """The environment, where this package is found, with further variables."""
+    return {**os.environ, "PYTHONPATH": str(Path(chromanoise.__file__).parents[1]), **variables}
+
+
+def is_running(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
 @contextmanager
 def command(*arguments, script=COMMAND, **variables):
     """A process of the command, in a process group of its own that ends with the context."""
     process = subprocess.Popen(
-        [sys.executable, "-c", script, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": str(Path(chromanoise.__file__).parents[1]), **variables},
+        [sys.executable, "-c", script, *map(str, arguments)], env=_with(variables),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
     try:

@@ -3,14 +3,13 @@
 import ast
 import importlib
 import re
-import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 import size
+from processes import printed
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "chromanoise"
@@ -19,10 +18,7 @@ BENCHMARKS = ROOT / "benchmarks"
 
 def imported_by(statement: str) -> set[str]:
     script = f"import sys\n{statement}\nprint('\\n'.join(sys.modules))"
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
-    return set(done.stdout.split())
+    return set(printed(script).split())
 
 
 def parsed_with(word, *, but):
@@ -98,7 +94,7 @@ for one in results:
 
 
 def test_stages_analyze_compare_and_matrix_need_numpy_and_scipy_alone():
-    subprocess.run([sys.executable, "-c", LIGHT], check=True, stdout=subprocess.PIPE)
+    printed(LIGHT)
 
 
 def test_every_direct_dependency_is_used_and_says_why():
@@ -136,7 +132,7 @@ for name in {names}:
     importlib.import_module(name)
 assert not removed, removed
 """
-    subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
+    printed(script)
 
 
 def test_every_folder_is_named_in_the_map_of_the_package():

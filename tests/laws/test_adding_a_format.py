@@ -105,7 +105,7 @@ def answers(tmp_path_factory):
     """What a copy of the package with both formats answers."""
     script = QUESTIONS.replace("NUMBERS", json.dumps(NUMBERS.tolist()))
     folder = tmp_path_factory.mktemp("copy")
-    return answers_of_copy(folder, EDITS, script, toy=SPECTRA, text_cube=CUBES)
+    return answers_of_copy(folder, EDITS, script, {"io/toy.py": SPECTRA, "io/text_cube.py": CUBES})
 
 
 def test_inspect_reads_spectra_of_it_and_names_it(answers):

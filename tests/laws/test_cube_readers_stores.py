@@ -4,7 +4,6 @@ import contextlib
 import json
 import pickle
 import shutil
-import subprocess
 import sys
 import time
 import zlib
@@ -20,6 +19,7 @@ from chromanoise.io.cubes.hdf5 import Chunks
 from chromanoise.spectra import row_source
 from chromanoise.spectra.scene_rows import FileRows, PlaneRows
 from outcomes import refused_input
+from processes import printed
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
 xarray = pytest.importorskip("xarray", reason="comes with chromanoise[cubes]")
@@ -468,10 +468,9 @@ def test_an_absent_package_is_told_with_what_installs_it(tmp_path, name, monkeyp
 
 
 def test_importing_the_scene_imports_no_library_of_files():
-    values = "import sys, chromanoise.spectra; print(sorted(sys.modules))"
-    out = subprocess.run([sys.executable, "-c", values], capture_output=True, text=True, check=True)
+    out = printed("import sys, chromanoise.spectra; print(sorted(sys.modules))")
     for name in ("h5py", "zarr", "xarray", "tifffile", "PIL", "scipy"):
-        assert f"'{name}'" not in out.stdout
+        assert f"'{name}'" not in out
 
 
 # Zarr

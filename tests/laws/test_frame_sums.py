@@ -2,7 +2,6 @@
 
 import math
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from chromanoise.apps.camera.statistics import fixed_patterns
 from chromanoise.imaging.frame_sums import SMOOTHED, PairSums, PatternSums
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, frames_in
 from outcomes import refused_input
+from processes import printed
 
 
 def codes(shape, seed=0, high=4096, kind=np.uint16):
@@ -80,11 +80,9 @@ def test_sums_over_frames_need_no_numba_until_a_kept_kernel_is_damaged(tmp_path)
         "print(int(sums.squares.sum()), 'numba' in sys.modules)"
     )
     squares = 8 * sum((8 * (7 - 2 * row)) ** 2 for row in range(8))
-    variables = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     for is_compiled in (True, False, True):
-        run = [sys.executable, "-c", script]
-        done = subprocess.run(run, env=variables, capture_output=True, text=True, check=True)
-        assert done.stdout.split() == [str(squares), str(is_compiled)]
+        found = printed(script, NUMBA_CACHE_DIR=str(tmp_path))
+        assert found.split() == [str(squares), str(is_compiled)]
         (kept,) = tmp_path.rglob("*.o")
         if not is_compiled:
             kept.write_bytes(kept.read_bytes()[:-100])

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-import chromanoise
 from chromanoise.base import files as _files
 from chromanoise.base.errors import InputError
 from chromanoise.base.files import (
@@ -23,6 +22,7 @@ from chromanoise.base.files import (
     write_kept,
 )
 from outcomes import refused_input
+from processes import printed
 
 NEW = {"a.png": "new a", "b.png": "new b", "summary.json": "new"}
 REPLACED = {"b.png": "old b", "summary.json": "old"}
@@ -427,12 +427,7 @@ def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_
 ):
     own = {name: text for name, text in old.items() if name in REPLACED}
     script = f"OLD = {old!r}\nOWN = {own!r}\nNEW = {NEW!r}\n{STOPPED.replace('END', end)}"
-    done = subprocess.run(
-        [sys.executable, "-c", script, tmp_path],
-        env={**os.environ, "PYTHONPATH": str(Path(chromanoise.__file__).parents[1])},
-        capture_output=True, text=True, check=True, timeout=60,
-    )  # fmt: skip
-    number = int(done.stdout)
+    number = int(printed(script, tmp_path))
     assert number > 10
     states = [tree(tmp_path / f"{n:03d}" / "out" / "o") for n in range(number)]
     assert old in states

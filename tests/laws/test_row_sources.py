@@ -1,8 +1,6 @@
 """Rows of a cube, wherever it lies: only what is asked for is read, and it is what was written."""
 
 import pickle
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from itertools import permutations
 
@@ -14,6 +12,7 @@ from chromanoise.spectra import Cube, Grid, RowSource, bands_within, row_source
 from chromanoise.spectra.scene import reflectance_rows
 from chromanoise.spectra.scene_rows import ArrayRows, FileRows, PaletteRows, PlaneRows
 from outcomes import refused_input
+from processes import printed
 
 slices = st.builds(
     slice,
@@ -110,13 +109,7 @@ def test_a_source_travels_and_reads_on_in_another_process(tmp_path):
         "import pickle, sys; source = pickle.load(open(sys.argv[1], 'rb')); "
         "print(source.rows(1, 2).sum())"
     )
-    out = subprocess.run(
-        [sys.executable, "-c", result, str(tmp_path / "pickled")],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert float(out.stdout) == sum(range(12, 24))
+    assert float(printed(result, tmp_path / "pickled")) == sum(range(12, 24))
 
 
 def test_many_threads_read_the_same_source(tmp_path):
@@ -233,10 +226,4 @@ def test_streaming_holds_little_memory(tmp_path):
         "for row in range(0, 1024, 16): source.rows(row, row + 16)\n"
         "print((most() - before) // (1024 if sys.platform != 'darwin' else 2**20))\n"
     )
-    out = subprocess.run(
-        [sys.executable, "-c", result, str(tmp_path / "a.npy")],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert int(out.stdout) < 16
+    assert int(printed(result, tmp_path / "a.npy")) < 16

@@ -18,6 +18,7 @@ import pytest
 from chromanoise.base import check as _check, sandbox as _sandbox
 from chromanoise.base.errors import InputError
 from chromanoise.base.sandbox import sandboxed
+from processes import is_running
 
 PATH = Path("/cube.xyz")
 LOOPS = (re.fullmatch, "(a+)+b", "a" * 60)  # for years, and holds the interpreter lock
@@ -31,13 +32,6 @@ def no_child_is_left():
 
 def call(*given, **options):
     return sandboxed(*given, path=PATH, **options)
-
-
-def is_running(pid):
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def assert_ends(pid):

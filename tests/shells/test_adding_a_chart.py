@@ -3,16 +3,12 @@
 import base64
 import gzip
 import json
-import os
 import re
-import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
-import chromanoise
+from edited_copies import edit_copy
+from processes import printed
 from served_page import served
 
 NEW = '''"""Pitch of the pixels."""
@@ -44,24 +40,19 @@ def drawn_pitches(shown: Shown, look: Look) -> Chart:
     )
 '''
 EDITS = {  # by file: what is inserted, each before a text
-    "charts/registry.py": [
-        (
-            "from chromanoise.charts.sensitivities",
-            "from chromanoise.charts.pitches import drawn_pitches\n",
-        ),
-        ('    "pareto": drawn_pareto,', '    "pitches": drawn_pitches,\n'),
-        (
-            '    Section(\n        part="sensitivities"',
-            '    Section(part="pitches", heading="Pitches", shows="How large the pixels are.",\n'
-            '            explanations=("electrons",)),\n',
-        ),
-    ],
-    "charts/figures_of_study.py": [
-        (
-            '            "pareto": _pareto(of),',
-            '            "pitches": _panelled(of, "pitches", row_in=2.0),\n',
-        ),
-    ],
+    "charts/registry.py": (
+        "from chromanoise.charts.sensitivities",
+        "from chromanoise.charts.pitches import drawn_pitches\n",
+        '    "pareto": drawn_pareto,',
+        '    "pitches": drawn_pitches,\n',
+        '    Section(\n        part="sensitivities"',
+        '    Section(part="pitches", heading="Pitches", shows="How large the pixels are.",\n'
+        '            explanations=("electrons",)),\n',
+    ),
+    "charts/figures_of_study.py": (
+        '            "pareto": _pareto(of),',
+        '            "pitches": _panelled(of, "pitches", row_in=2.0),\n',
+    ),
 }
 STUDY = '[[sensors]]\nname = "onyx-rgbw"\n[[sensors]]\nname = "onyx-rgb"\n'
 COMMAND = (  # without card and sliders, which take most of the time
@@ -75,16 +66,7 @@ COMMAND = (  # without card and sliders, which take most of the time
 def copy(tmp_path_factory):
     """A folder with a copy of the package that has the new chart."""
     folder = tmp_path_factory.mktemp("copy")
-    package = folder / "chromanoise"
-    ignored = shutil.ignore_patterns("kernels-*", "*.pyi")  # its bytecode is kept
-    shutil.copytree(Path(chromanoise.__file__).parent, package, ignore=ignored)
-    (package / "charts" / "pitches.py").write_text(NEW, encoding="utf-8")
-    for name, edits in EDITS.items():
-        text = (package / name).read_text(encoding="utf-8")
-        for before, new in edits:
-            assert text.count(before) == 1, (name, before)
-            text = text.replace(before, new + before)
-        (package / name).write_text(text, encoding="utf-8")
+    edit_copy(folder, EDITS, {"charts/pitches.py": NEW})
     return folder
 
 
@@ -93,12 +75,7 @@ def report(copy):
     """The text of a report of the copy; its figures are in the folder ``figures`` beside it."""
     (copy / "study.toml").write_text(STUDY, encoding="utf-8")
     words = ["report", "study.toml", "-o", "report.html", "--figures", "figures"]
-    ended = subprocess.run(
-        [sys.executable, "-c", COMMAND, *words],
-        env=os.environ | {"PYTHONPATH": str(copy)},
-        cwd=copy, capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
-    assert ended.returncode == 0, ended.stderr
+    printed(COMMAND, *words, cwd=copy, PYTHONPATH=str(copy))
     return (copy / "report.html").read_text(encoding="utf-8")
 
 

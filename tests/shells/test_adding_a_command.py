@@ -1,17 +1,9 @@
 """A command costs one module and one line; help, completion, man pages and reference follow."""
 
-import json
-import os
-import shutil
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 
-import chromanoise
+from edited_copies import answers_of_copy
 
-ROOT = Path(__file__).parents[2]
 MODULE = '''"""``chromanoise list-channels``: names of channels."""
 
 import click
@@ -67,23 +59,8 @@ print(json.dumps(found))
 @pytest.fixture(scope="module")
 def answers(tmp_path_factory):
     """What a copy of the package with the new command answers."""
-    folder = tmp_path_factory.mktemp("copy")
-    copy = folder / "chromanoise"
-    ignored = shutil.ignore_patterns("kernels-*", "*.pyi")  # its bytecode is kept
-    shutil.copytree(Path(chromanoise.__file__).parent, copy, ignore=ignored)
-    (copy / "cli" / "list_channels.py").write_text(MODULE, encoding="utf-8")
-    entry = copy / "cli" / "entry.py"
-    old = entry.read_text(encoding="utf-8")
-    assert old.count(BEFORE) == 1
-    entry.write_text(old.replace(BEFORE, LINE + BEFORE), encoding="utf-8")
-    path = os.pathsep.join(map(str, (folder, ROOT / "tools", ROOT / "docs" / "_ext")))
-    found = subprocess.run(
-        [sys.executable, "-c", QUESTIONS],
-        env=os.environ | {"PYTHONPATH": path, "COLUMNS": "100"},
-        cwd=folder, capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
-    assert found.returncode == 0, found.stderr
-    return json.loads(found.stdout.splitlines()[-1])
+    folder, modules = tmp_path_factory.mktemp("copy"), {"cli/list_channels.py": MODULE}
+    return answers_of_copy(folder, {"cli/entry.py": (BEFORE, LINE)}, QUESTIONS, modules)
 
 
 @pytest.mark.evidence

@@ -1,10 +1,7 @@
 """Citation, version, man pages and completion of the command line."""
 
-import os
 import platform
 import re
-import subprocess
-import sys
 from importlib import metadata
 from pathlib import Path
 
@@ -14,6 +11,7 @@ import yaml
 
 import chromanoise
 import make_man
+from processes import printed
 
 ROOT = Path(__file__).parents[2]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
@@ -76,10 +74,7 @@ def test_the_man_pages_are_those_of_the_commands():
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_each_shell_gets_a_completion_of_the_commands(shell):
-    run = [sys.executable, "-c", "from chromanoise.cli import main; main()"]
     words = {"COMP_WORDS": "chromanoise cit", "COMP_CWORD": "cit" if shell == "fish" else "1"}
-    ask = {"_CHROMANOISE_COMPLETE": f"{shell}_complete"} | words
-    completed = subprocess.run(
-        run, env=os.environ | ask, capture_output=True, text=True, check=True
-    )
-    assert "cite" in re.split(r"[\s,]+", completed.stdout)
+    asked = {"_CHROMANOISE_COMPLETE": f"{shell}_complete"} | words
+    completed = printed("from chromanoise.cli import main; main()", **asked)
+    assert "cite" in re.split(r"[\s,]+", completed)

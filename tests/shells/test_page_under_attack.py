@@ -16,7 +16,6 @@ import zlib
 from contextlib import ExitStack
 from dataclasses import replace
 from io import BytesIO
-from pathlib import Path
 
 import httpx
 import numpy as np
@@ -40,7 +39,7 @@ from chromanoise.web.server import _Server
 from chromanoise.web.services import Services
 from chromanoise.web.uploads import Kept, Uploads
 from dear import dear
-from processes import Patient
+from processes import Patient, is_running
 from served_page import served
 
 LANE = processes.LANES["questions"]
@@ -637,13 +636,6 @@ def test_no_process_is_left_when_the_server_ends(stop):
 def children_of(workers):
     wait_until(lambda: workers._nursery._started)
     return _tree(workers._nursery._started[-1].pid)[1:]
-
-
-def is_running(pid):
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def wait_until(happens, seconds=300.0):

@@ -1,8 +1,6 @@
 """The values of a pixel file reach every result and picture, and options override them."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -19,6 +17,7 @@ from chromanoise.web.page_studies import Studies, files_of, served_data
 from chromanoise.web.previews import PictureReplies
 from chromanoise.web.uploads import Uploads
 from outcomes import refused
+from processes import printed
 
 SHEET = """\
 pixel pitch = 5 um
@@ -197,7 +196,7 @@ def test_simulate_its_study_and_its_script_give_the_same_picture(
             script = out.replace('"cube.npz"', '"../cube.npz"').replace(
                 '"sheet.txt"', '"../sheet.txt"'
             )
-            subprocess.run([sys.executable, "-c", script], cwd=folder, check=True, stdout=-3)
+            printed(script, cwd=folder)
         theirs = sorted(
             p
             for p in folder.iterdir()

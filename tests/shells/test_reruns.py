@@ -5,8 +5,6 @@ import os
 import platform
 import re
 import shutil
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -14,12 +12,12 @@ import numpy as np
 import pytest
 import tifffile
 
-import chromanoise
 from chromanoise.base.errors import InputError
 from chromanoise.base.files import OWN_FILES
 from chromanoise.base.inputs import content_hash
 from chromanoise.study import agreement_of, agreement_text, read_study, run_study
 from outcomes import refused, refused_input
+from processes import printed
 
 STUDY = """\
 matrices = ["kernel"]
@@ -288,13 +286,8 @@ def test_only_another_place_or_machine_in_the_record_is_no_difference_of_results
 
 
 def record_of(folder, **variables):
-    source = Path(chromanoise.__file__).parents[1]
     script = "from chromanoise.study.hashes import numerics; print(repr(numerics()))"
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=True,
-        env={**os.environ, "PYTHONPATH": str(source), **variables}, timeout=60,
-    )  # fmt: skip
-    return eval(done.stdout)
+    return eval(printed(script, cwd=folder, **variables))
 
 
 def test_the_record_names_what_determines_the_last_digits(made, tmp_path):

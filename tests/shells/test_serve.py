@@ -6,7 +6,6 @@ import shlex
 import signal
 import socket
 import subprocess
-import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
@@ -22,7 +21,7 @@ from chromanoise.web.requests import JSON_BYTES, UPLOAD_BYTES, asset
 from chromanoise.web.server import listening_socket, page_server
 from chromanoise.web.uploads import MOST_FILES, Uploads
 from outcomes import refused
-from processes import IGNORING, Patient, command
+from processes import IGNORING, Patient, command, printed
 
 BOTH = {
     "light": {"illuminant": "E", "level_lux": 10.0},
@@ -547,11 +546,8 @@ def test_a_study_that_cannot_be_read_is_told_before_anything_is_served(run, tmp_
 )
 def test_the_server_is_ready_before_what_computes_is_imported(module, more):
     script = f"import sys, {module}\nprint('\\n'.join(sys.modules))"
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
     heavy = {"numpy", "scipy", "colour", "chromanoise.study", *more}
-    assert not heavy & set(done.stdout.split())
+    assert not heavy & set(printed(script).split())
 
 
 @pytest.mark.parametrize("word", ["NaN", "Infinity", "-Infinity"])
