@@ -52,12 +52,13 @@ def flat_cube(wavelength_nm, reflectance, *, height, width):
 def raw_of(mean, covariance, names=None):
     mean = np.asarray(mean, dtype=float)
     names = names or tuple(f"c{i}" for i in range(mean.shape[-1]))
+    noise = np.asarray(covariance, dtype=float)
+    return Measurement(mean=mean, covariance=noise, names=names, kind="raw", unit="e-")
+
+
+def xyz_of(mean, covariance, unit="1"):
     return Measurement(
-        mean=mean,
-        covariance=np.asarray(covariance, dtype=float),
-        names=names,
-        kind="raw",
-        unit="e-",
+        mean=mean, covariance=covariance, names=("X", "Y", "Z"), kind="XYZ", unit=unit
     )
 
 

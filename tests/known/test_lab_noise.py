@@ -17,16 +17,10 @@ from chromanoise.color import (
     propagate,
     relative_sd_error,
 )
-from chromanoise.noise import Measurement
+from strategies import xyz_of
 
 D65 = np.array([0.95047, 1.0, 1.08883])
 ONES = np.ones(3)
-
-
-def xyz_of(mean, covariance):
-    return Measurement(
-        mean=mean, covariance=covariance, names=("X", "Y", "Z"), kind="XYZ", unit="1"
-    )
 
 
 def noise_of(measurement, method, *, space=LAB, white=D65):

@@ -22,8 +22,8 @@ from chromanoise.color import (
     propagate,
     relative_sd_error,
 )
-from chromanoise.noise import Measurement
 from outcomes import refused_input
+from strategies import raw_of, xyz_of
 
 D65 = np.array([0.95047, 1.0, 1.08883])
 COARSE = gaussian_cubature(radii=6, latitudes=4, longitudes=8)
@@ -36,12 +36,6 @@ beyond = st.lists(st.floats(-1.0, 2.0), min_size=3, max_size=3).map(np.array)
 squares = st.lists(st.floats(-1.0, 1.0), min_size=9, max_size=9).map(
     lambda values: np.reshape(values, (3, 3))
 )
-
-
-def xyz_of(mean, covariance):
-    return Measurement(
-        mean=mean, covariance=covariance, names=("X", "Y", "Z"), kind="XYZ", unit="1"
-    )
 
 
 def noise_of(measurement, space, method, white=D65):
@@ -274,7 +268,7 @@ def test_the_first_order_color_difference_is_that_of_a_cubature_over_the_linear_
 
 
 def test_noise_of_other_coordinates_is_refused():
-    raw = Measurement(mean=D65, covariance=np.eye(3), names=("R", "G", "B"), kind="raw", unit="e-")
+    raw = raw_of(D65, np.eye(3), ("R", "G", "B"))
     with refused_input(subject="coordinates of the raw measurement", value=("R", "G", "B")):
         NoisyColor(xyz=raw, white=D65)
 

@@ -21,10 +21,11 @@ from chromanoise.imaging.denoising import (
     packed,
     unpacked,
 )
-from chromanoise.noise import Measurement, through
+from chromanoise.noise import through
 from chromanoise.sensor import bayer, rgbw_2x2
 from noisy_planes import planes_of
 from outcomes import refused_input
+from strategies import raw_of
 
 NAMES = ("wiener", "lmmse")
 VARIANCE = np.array([300.0, 200.0, 160.0, 130.0])
@@ -54,9 +55,7 @@ def test_covariance_is_that_of_draws_also_through_a_color_matrix(name):
     predicted = denoised_covariance(made, VARIANCE)
     assert z_of(covariances(found, 40), predicted).max() < 5
     matrix = rng.normal(size=(3, 4))
-    raw = Measurement(
-        mean=np.ones(4), covariance=predicted, names=tuple("rgbw"), kind="raw", unit="e-"
-    )
+    raw = raw_of(np.ones(4), predicted, tuple("rgbw"))
     xyz = through(raw, matrix, names=("X", "Y", "Z"), kind="XYZ", unit="1")
     assert z_of(covariances(found @ matrix.T, 40), xyz.covariance).max() < 5
 

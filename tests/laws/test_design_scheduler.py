@@ -1,8 +1,6 @@
 """A search on a cluster gives the bits of one process, also when a worker is killed."""
 
-import logging
 import os
-import signal
 from dataclasses import replace
 
 import numpy as np
@@ -16,20 +14,6 @@ from design_problems import bnh, same
 from outcomes import refused_input
 
 SETTINGS = SearchOptions(budget=300, population=50, seed=1)
-
-
-@pytest.fixture(scope="module")
-def address():
-    """Two processes of this machine, found by their address as a cluster elsewhere would be."""
-    distributed = pytest.importorskip("distributed", reason="dask is an extra")
-    with distributed.LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        processes=True,
-        dashboard_address="127.0.0.1:0",
-        silence_logs=logging.CRITICAL,
-    ) as processes:
-        yield processes.scheduler_address
 
 
 def sent(problem):
@@ -49,22 +33,10 @@ def test_a_cluster_gives_the_front_of_one_process_whatever_the_chunks(address, t
         assert same(there, here)
 
 
-def test_a_worker_that_is_killed_changes_no_bit(address):
-    from dask.distributed import Client
-
-    with Client(address) as client:
-        workers = list(client.run(os.getpid).values())
-    assert len(workers) == 2
-
-    def kill_one(_):
-        if workers:
-            os.kill(workers.pop(), signal.SIGKILL)
-            workers.clear()
-
+def test_a_worker_that_is_killed_changes_no_bit(address, kill_one):
     here = searched_front(bnh(), SETTINGS)
     with scheduler_at(address) as two:
         there = searched_front(sent(bnh()), SETTINGS, evaluate_on=two, progress=kill_one)
-    assert workers == []
     assert same(there, here)
 
 

@@ -1,6 +1,5 @@
 """On a cluster: the bits are those of one machine, and what goes wrong is one sentence."""
 
-import logging
 import os
 import pickle
 import signal
@@ -74,20 +73,6 @@ def envi_file(folder, interleave="bip", rho=None):
         f"wavelength = {{{', '.join(f'{w:g}' for w in WAVELENGTH)}}}\n"
     )
     return folder / "cube.hdr"
-
-
-@pytest.fixture(scope="module")
-def address():
-    """Two processes of this machine, found by their address as a cluster elsewhere would be."""
-    distributed = pytest.importorskip("distributed", reason="dask is an extra")
-    with distributed.LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        processes=True,
-        dashboard_address="127.0.0.1:0",
-        silence_logs=logging.CRITICAL,
-    ) as processes:
-        yield processes.scheduler_address
 
 
 @pytest.fixture(scope="module")
@@ -312,22 +297,10 @@ def test_what_is_sent_of_a_cube_is_a_block_in_memory_and_nothing_in_a_file(tmp_p
     assert block <= sent < block + 20_000
 
 
-def test_a_worker_that_is_killed_in_the_work_changes_no_bit(address, executor):
-    from dask.distributed import Client
-
+def test_a_worker_that_is_killed_in_the_work_changes_no_bit(executor, kill_one):
     cube = in_memory("bil")
-    with Client(address) as client:
-        workers = list(client.run(os.getpid).values())
-    assert len(workers) == 2
-
-    def kill_one(_):
-        if workers:
-            os.kill(workers.pop(), signal.SIGKILL)
-            workers.clear()
-
     there = Work(executor=executor, tile_rows=1, progress=kill_one)
     here, away = (acquired(cube, SITUATION, mosaic=bayer(), work=w) for w in one_and(there))
-    assert workers == []
     assert same_bits(here, away)
 
 

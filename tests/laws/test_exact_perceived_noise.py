@@ -30,7 +30,6 @@ from chromanoise.color import (
 from chromanoise.color.spaces import linear_srgb
 from chromanoise.noise import (
     Exposure,
-    Measurement,
     Readout,
     expected_electrons,
     poisson_gaussian_ppf,
@@ -42,6 +41,7 @@ from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import analyzed, gray_noise, sensor_named
 from noise_samples import noise_of
 from outcomes import refused_input
+from strategies import xyz_of
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.0119)
@@ -137,9 +137,7 @@ def test_where_electrons_are_many_the_law_is_normal_and_the_cubature_agrees(spac
     mean_e = np.array([9e4, 6e4, 4e4])
     matrix = MATRIX / 1000
     variance = matrix @ np.diag(mean_e + 100.0) @ matrix.T
-    xyz = Measurement(
-        mean=matrix @ mean_e, covariance=variance, names=("X", "Y", "Z"), kind="XYZ", unit="lx"
-    )
+    xyz = xyz_of(matrix @ mean_e, variance, unit="lx")
     noise = exact_noise(mean_e, matrix, ONES, read_noise_e=10.0, space=space)
     seen = propagate(NoisyColor(xyz=xyz, white=ONES), space, cubature)
     off = relative_sd_error(seen.measurement, noise.measurement)
@@ -241,7 +239,7 @@ def test_what_cannot_be_averaged_is_refused(change, fields):
 
 
 def test_the_exact_method_refuses_a_color_whose_electrons_are_not_known():
-    xyz = Measurement(mean=ONES, covariance=np.eye(3), names=("X", "Y", "Z"), kind="XYZ", unit="lx")
+    xyz = xyz_of(ONES, np.eye(3), unit="lx")
     with refused_input(subject="source of the noisy color"):
         propagate(NoisyColor(xyz=xyz, white=ONES), LAB, exact)
 

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from chromanoise.base.notebook import table
-from chromanoise.noise import Exposure, Measurement
+from chromanoise.noise import Exposure
 from chromanoise.sensor import Pixel, Sensor
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import analyzed, color_budgets, sensor_named
+from strategies import raw_of
 
 PIXEL = Pixel(pitch_um=3.0, full_well_e=5000.0, read_noise_e=2.0)
 SENSOR = sensor_named("onyx-rgbw", DEFAULT_GRID)
@@ -73,15 +74,7 @@ def test_a_name_cannot_become_markup():
 
 def test_a_measurement_tells_mean_deviation_and_correlation():
     """The covariance [[4, -3], [-3, 9]] has deviations 2 and 3 and a correlation of -1/2."""
-    result = read(
-        Measurement(
-            mean=np.array([10.0, 20.0]),
-            covariance=np.array([[4.0, -3.0], [-3.0, 9.0]]),
-            names=("a", "b"),
-            kind="raw",
-            unit="e-",
-        )
-    )
+    result = read(raw_of([10.0, 20.0], [[4.0, -3.0], [-3.0, 9.0]], ("a", "b")))
     assert re.search(r"a\s+10\s+2\s+1.00\s+-0.50", result)
     assert re.search(r"b\s+20\s+3\s+-0.50\s+1.00", result)
 

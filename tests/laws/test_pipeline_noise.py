@@ -34,7 +34,6 @@ from chromanoise.color import (
 )
 from chromanoise.noise import (
     Exposure,
-    Measurement,
     expected_electrons,
     noise_sources,
     sample_electrons,
@@ -348,9 +347,7 @@ def test_more_gray_pixels_give_better_gains_as_one_over_n():
 
 def test_noise_common_to_all_channels_does_not_move_the_gains():
     mean = np.array([50.0, 100.0, 25.0])
-    common = Measurement(
-        mean=mean, covariance=np.outer(mean, mean), names=("R", "G", "B"), kind="raw", unit="e-"
-    )
+    common = raw_of(mean, np.outer(mean, mean), ("R", "G", "B"))
     assert np.abs(gains_covariance(common, 1)).max() < 1e-12
 
 

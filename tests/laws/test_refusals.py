@@ -15,7 +15,6 @@ from chromanoise.imaging import Work, rendered
 from chromanoise.io import read_sensor_csv
 from chromanoise.noise import (
     Exposure,
-    Measurement,
     expected_electrons,
     monte_carlo,
     raw_covariance,
@@ -41,7 +40,7 @@ from chromanoise.spectra import (
 )
 from chromanoise.study import analyzed, sensor_named
 from outcomes import refused_input
-from strategies import EXPOSURE, GRID, PIXEL, point_of, sensor_of, white_channel
+from strategies import EXPOSURE, GRID, PIXEL, point_of, raw_of, sensor_of, white_channel
 
 NAN, INF = float("nan"), float("inf")
 LAMP = equal_energy(GRID)
@@ -87,9 +86,7 @@ def picture_of(cube, **more):
 
 
 def measurement(mean=(1.0, 2.0), covariance=((1.0, 0.0), (0.0, 1.0)), names=("a", "b")):
-    return Measurement(
-        mean=np.array(mean), covariance=np.array(covariance), names=names, kind="raw", unit="e-"
-    )
+    return raw_of(mean, covariance, names)
 
 
 def power(*values):

@@ -21,7 +21,6 @@ from chromanoise.metrics import (
     separation_probability,
 )
 from chromanoise.noise import (
-    Measurement,
     ReadingDistribution,
     Readout,
     few_electrons,
@@ -167,7 +166,7 @@ def test_two_measurements_in_other_coordinates_have_no_distance():
     with refused_input(subject="coordinates"):
         mahalanobis_distance(
             raw_of([1.0], [[1.0]]),
-            Measurement(mean=np.ones(1), covariance=np.eye(1), names=("x",), kind="raw", unit="e-"),
+            raw_of([1.0], [[1.0]], ("x",)),
         )
 
 
