@@ -35,9 +35,9 @@ def rgb_sensor(read_noise_e=10.0, full_well_e=10_000.0, **more):
     return sensor_of(RGB, pixel=pixel_with(read_noise_e, full_well_e), **more)
 
 
-def white_channel(qe=0.5, *, grid=GRID, pixel=PIXEL):
+def white_channel(qe=0.5, *, grid=GRID, names=("W",), **more):
     """One channel that answers alike everywhere."""
-    return sensor_of(np.full((grid.n, 1), qe), grid=grid, pixel=pixel, names=("W",))
+    return sensor_of(np.full((grid.n, 1), qe), grid=grid, names=names, **more)
 
 
 def flat_cube(wavelength_nm, reflectance, *, height, width):

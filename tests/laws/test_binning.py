@@ -10,7 +10,6 @@ from chromanoise.noise import Exposure, noise_sources, sample_electrons, with_no
 from chromanoise.sensor import (
     Converter,
     Pixel,
-    Sensor,
     binned,
     quantization_step_e,
     with_binning,
@@ -20,6 +19,7 @@ from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import sensor_named
 from chromanoise.study.analysis import electrons_at
 from outcomes import refused_input
+from strategies import white_channel
 
 DRAWS = 100_000
 PIXEL = {
@@ -42,14 +42,9 @@ BLOCKS = {2: (1, 2), 4: (2, 2), 6: (2, 3), 9: (3, 3)}  # rows and columns
 
 def one_pixel(qe=0.5):
     """A sensor of one channel with every noise source."""
-    return Sensor(
-        name="one",
-        grid=DEFAULT_GRID,
-        qe=np.full((DEFAULT_GRID.n, 1), qe),
-        names=("W",),
-        pixel=Pixel(pitch_um=3.0, full_well_e=9000.0, **PIXEL),
-        converter=Converter(bits=12, gain_e_per_dn=STEP_E),
-    )
+    pixel = Pixel(pitch_um=3.0, full_well_e=9000.0, **PIXEL)
+    converter = Converter(bits=12, gain_e_per_dn=STEP_E)
+    return white_channel(qe, grid=DEFAULT_GRID, pixel=pixel, converter=converter, name="one")
 
 
 def drawn_sums(mean_e, n, mode, rng):

@@ -8,7 +8,6 @@ import pytest
 from chromanoise.base import plain
 from chromanoise.color import kernel_matrix
 from chromanoise.noise import Exposure, expected_electrons, white_scene
-from chromanoise.sensor import Pixel
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import (
     QUANTITIES,
@@ -27,7 +26,7 @@ from chromanoise.study import (
 )
 from chromanoise.study.sweeps import SNR_Y
 from outcomes import refused_input
-from strategies import point_of, white_channel
+from strategies import pixel_with, point_of, white_channel
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.01)
@@ -49,8 +48,8 @@ def used_of(*names, time_s, level_lux=1.0):
 
 
 def one_channel(name, qe, read_noise_e, full_well_e=1e9):
-    pixel = Pixel(pitch_um=10.0, full_well_e=full_well_e, read_noise_e=read_noise_e)
-    return used(replace(white_channel(qe, grid=DEFAULT_GRID, pixel=pixel), name=name))
+    pixel = pixel_with(read_noise_e, full_well_e)
+    return used(white_channel(qe, grid=DEFAULT_GRID, pixel=pixel, name=name))
 
 
 def compare(*contestants, levels=LEVELS, **asked):

@@ -28,7 +28,7 @@ from chromanoise.spectra import (
 )
 from dear import dear
 from outcomes import refused_input
-from strategies import point_of
+from strategies import point_of, sensor_of
 
 GRID = Grid.uniform(400, 1000, 20)
 NM = GRID.wavelength_nm
@@ -72,13 +72,8 @@ def scene_of(rng, matrix="kernel", p=3, **changes):
 
 
 def plain_scene(matrix="kernel", pixel=QUIET, time_s=0.01, level_lux=10.0, p=3, **changes):
-    sensor = Sensor(
-        name="own",
-        grid=GRID,
-        qe=np.full((GRID.n, p), 0.5),
-        names=tuple("RGBWXYZV"[:p]),
-        pixel=pixel,
-    )
+    names = tuple("RGBWXYZV"[:p])
+    sensor = sensor_of(np.full((GRID.n, p), 0.5), grid=GRID, pixel=pixel, names=names, name="own")
     point = point_of(sensor, level_lux, exposure=Exposure(time_s=time_s))
     return DesignScene(point=replace(point, **changes), matrix=matrix)
 

@@ -10,10 +10,10 @@ from chromanoise.noise import (
     expected_electrons,
     exposure_factor,
 )
-from chromanoise.sensor import PAPER_PIXEL, Sensor
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import SENSOR_NAMES, sensor_named
 from outcomes import refused_input
+from strategies import sensor_of
 
 WHITE = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
 SENSORS = [sensor_named(name, DEFAULT_GRID) for name in SENSOR_NAMES]
@@ -60,11 +60,4 @@ def test_at_equal_light_every_set_of_channels_gets_the_same_photons():
 
 def test_a_stack_that_makes_two_electrons_of_a_photon_is_refused():
     with refused_input(value=1.2, requirement="at most 1"):
-        Sensor(
-            name="magic",
-            grid=DEFAULT_GRID,
-            qe=np.full((DEFAULT_GRID.n, 2), 0.6),
-            names=("A", "B"),
-            pixel=PAPER_PIXEL,
-            stacked=True,
-        )
+        sensor_of(np.full((DEFAULT_GRID.n, 2), 0.6), grid=DEFAULT_GRID, stacked=True)

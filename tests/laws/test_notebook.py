@@ -3,15 +3,14 @@
 import re
 from html.parser import HTMLParser
 
-import numpy as np
 import pytest
 
 from chromanoise.base.notebook import table
 from chromanoise.noise import Exposure
-from chromanoise.sensor import Pixel, Sensor
+from chromanoise.sensor import Pixel
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import analyzed, color_budgets, sensor_named
-from strategies import raw_of
+from strategies import raw_of, white_channel
 
 PIXEL = Pixel(pitch_um=3.0, full_well_e=5000.0, read_noise_e=2.0)
 SENSOR = sensor_named("onyx-rgbw", DEFAULT_GRID)
@@ -58,14 +57,7 @@ def test_every_tag_is_closed_and_nothing_is_fetched(noun):
 
 def test_a_name_cannot_become_markup():
     evil = '<img src=x onerror="alert(1)">'
-    sensor = Sensor(
-        name=evil,
-        grid=DEFAULT_GRID,
-        qe=np.full((DEFAULT_GRID.n, 1), 0.5),
-        names=("<b>",),
-        pixel=PIXEL,
-        notes=("a & b",),
-    )
+    sensor = white_channel(name=evil, names=("<b>",), notes=("a & b",))
     assert "<img" not in sensor._repr_html_()
     result = read(sensor)
     assert evil in result

@@ -16,7 +16,6 @@ from chromanoise.color.training import training_response
 from chromanoise.geometry import angles_to_axes_deg
 from chromanoise.metrics import chart_color_error, matrix_report
 from chromanoise.noise import Exposure, measurement_vectors, white_scene
-from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
     DEFAULT_GRID,
     METRICS,
@@ -38,7 +37,7 @@ from chromanoise.study import (
 )
 from chromanoise.study.color_matrices import training_named
 from chromanoise.study.sweeps import QUANTITIES, color_error, color_errors
-from strategies import EXPOSURE, GRID, PIXEL, point_of, sensor_of, sensors
+from strategies import EXPOSURE, GRID, point_of, sensor_of, sensors
 
 OTHERS = [name for name in OBSERVERS if name != "cie-1931-2"]
 TABLES = {
@@ -69,13 +68,8 @@ def axes_by_hand(grid, metric, observer):
 def eye(observer, grid=DEFAULT_GRID):
     """A sensor with the functions of an observer, which are per energy."""
     per_photon = color_matching_functions(grid, observer).values / grid.wavelength_nm[:, None]
-    return Sensor(
-        name="eye",
-        grid=grid,
-        qe=0.9 * per_photon / per_photon.max(),
-        names=("l", "m", "s"),
-        pixel=PIXEL,
-    )
+    qe = 0.9 * per_photon / per_photon.max()
+    return sensor_of(qe, grid=grid, names=("l", "m", "s"), name="eye")
 
 
 @given(sensors(), st.sampled_from(list(OBSERVERS)), st.sampled_from(METRICS), st.data())

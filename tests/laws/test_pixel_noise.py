@@ -40,7 +40,6 @@ from chromanoise.sensor import (
     Crosstalk,
     Mosaic,
     Pixel,
-    Sensor,
     bayer,
     crosstalk_of_share,
     with_crosstalk,
@@ -66,7 +65,7 @@ from chromanoise.study.analysis import (
 from goodness import moments_z
 from noise_samples import noise_of
 from outcomes import refused_input
-from strategies import GRID, flat_cube, pixel_with, point_of
+from strategies import GRID, flat_cube, pixel_with, point_of, sensor_of, white_channel
 
 LAMP = equal_energy(DEFAULT_GRID)
 WHITE = flat_field(LAMP, level_lux=10.0)
@@ -95,15 +94,8 @@ SPATIAL = ("dsnu_e", "prnu")
 def one_channel(**values):
     """A white channel of 50 %; with this exposure and light it collects some 10^4 electrons."""
     gain = values.pop("gain_e_per_dn", None)
-    settings = {"pitch_um": 10.0, "full_well_e": 1e6, "read_noise_e": 3.0, **values}
-    return Sensor(
-        name="white",
-        grid=GRID,
-        qe=np.full((GRID.n, 1), 0.5),
-        names=("W",),
-        pixel=Pixel(**settings),
-        converter=Converter(gain_e_per_dn=gain),
-    )
+    pixel = Pixel(**{"pitch_um": 10.0, "full_well_e": 1e6, "read_noise_e": 3.0, **values})
+    return white_channel(pixel=pixel, converter=Converter(gain_e_per_dn=gain), name="white")
 
 
 def camera(name="onyx-rgbw", stage=None, **changes):
@@ -444,13 +436,8 @@ def bands(count):
     centers = np.linspace(430, 900, count)
     curves = [0.5 * np.exp(-(((AT - c) / (900 / count)) ** 2)) for c in centers]
     names = tuple(f"c{i}" for i in range(count))
-    return Sensor(
-        name=f"bands-{count}",
-        grid=DEFAULT_GRID,
-        qe=np.stack(curves, 1),
-        names=names,
-        pixel=Pixel(pitch_um=10.0, full_well_e=1e9, read_noise_e=4.0),
-    )
+    pixel, name = pixel_with(4.0, full_well_e=1e9), f"bands-{count}"
+    return sensor_of(np.stack(curves, 1), grid=DEFAULT_GRID, pixel=pixel, names=names, name=name)
 
 
 def drawn_sensors():

@@ -23,6 +23,7 @@ from chromanoise.sensor.photon_transfer import photon_transfer_fit
 from chromanoise.sensor.photon_transfer_regression import PhotonTransfer
 from chromanoise.spectra import Grid, Illuminant, equal_energy, flat_field
 from chromanoise.study import analyzed as of_white, pipeline_noise
+from strategies import white_channel
 
 NEEDS = "needs the package emva1288"
 camera = pytest.importorskip("emva1288.camera.routines", reason=NEEDS)
@@ -123,9 +124,7 @@ def test_photons_per_pixel_are_50_34_area_time_wavelength_irradiance():
 @pytest.mark.parametrize("f_number", [1.8, 8.0])
 def test_photons_behind_a_lens_are_those_of_its_camera(wavelength_nm, f_number):
     grid = Grid.uniform(400, 700, 10)
-    counter = Sensor(
-        name="counter", grid=grid, qe=np.ones((grid.n, 1)), names=("all",), pixel=PIXEL
-    )
+    counter = white_channel(1.0, grid=grid, pixel=PIXEL)
     exposure = Exposure(time_s=0.02, f_number=f_number, magnification=0.0)
     lamp = line_at(wavelength_nm, grid)
     own = expected_electrons(flat_field(lamp, level_lux=7.0), counter, exposure)[0]
@@ -168,14 +167,8 @@ def test_its_threshold_is_our_snr_1_but_for_the_term_that_the_standard_leaves_ou
 
 
 def test_its_threshold_and_dynamic_range_are_those_of_an_iso():
-    sensor = Sensor(
-        name="one",
-        grid=Grid.uniform(400, 1050, 5),
-        qe=np.full((131, 1), QE),
-        names=("G",),
-        pixel=PIXEL,
-        converter=Converter(bits=13, gain_e_per_dn=STEP_E),
-    )
+    grid, converter = Grid.uniform(400, 1050, 5), Converter(bits=13, gain_e_per_dn=STEP_E)
+    sensor = white_channel(QE, grid=grid, names=("G",), pixel=PIXEL, converter=converter)
     lamp = equal_energy(sensor.grid)
     analysis = of_white(flat_field(lamp, level_lux=1.0), sensor, Exposure(time_s=0.002))
     (iso,) = pipeline_noise(analysis).iso

@@ -12,8 +12,9 @@ import pytest
 
 from chromanoise.metrics import light_for_snr, snr_db
 from chromanoise.noise import Exposure, noise_sources, saturated, with_noise
-from chromanoise.sensor import Converter, Pixel, Sensor
+from chromanoise.sensor import Converter, Pixel
 from chromanoise.spectra import Grid
+from strategies import white_channel
 
 NEEDS = "needs the package emva1288"
 plotting = pytest.importorskip("emva1288.process.plotting", reason=NEEDS)
@@ -43,14 +44,9 @@ def _numpy_1_name(monkeypatch):
 
 
 def sensor_of(**values):
-    return Sensor(
-        name="W",
-        grid=GRID,
-        qe=np.full((GRID.n, 1), QE),
-        names=("W",),
-        pixel=Pixel(pitch_um=5.0, full_well_e=FULL_WELL_E, **values),
-        converter=Converter(gain_e_per_dn=1 / GAIN),
-    )
+    pixel = Pixel(pitch_um=5.0, full_well_e=FULL_WELL_E, **values)
+    converter = Converter(gain_e_per_dn=1 / GAIN)
+    return white_channel(QE, grid=GRID, pixel=pixel, converter=converter, name="W")
 
 
 def variance_e2(sensor, photons, kind):
