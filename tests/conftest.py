@@ -4,7 +4,10 @@ import dataclasses
 import functools
 import gc
 import inspect
+import logging
+import os
 import re
+import signal
 import subprocess
 import sys
 import warnings
@@ -145,6 +148,38 @@ def file(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return write
+
+
+@pytest.fixture(scope="module")
+def cluster_address():
+    """Two processes of this machine, found by their address as a cluster elsewhere would be."""
+    distributed = pytest.importorskip("distributed", reason="dask is an extra")
+    with distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        processes=True,
+        dashboard_address="127.0.0.1:0",
+        silence_logs=logging.CRITICAL,
+    ) as processes:
+        yield processes.scheduler_address
+
+
+@pytest.fixture
+def kill_one(cluster_address):
+    """A function that kills one of the two processes when it is called first."""
+    from dask.distributed import Client
+
+    with Client(cluster_address) as client:
+        workers = list(client.run(os.getpid).values())
+    assert len(workers) == 2
+
+    def kill(_):
+        if workers:
+            os.kill(workers.pop(), signal.SIGKILL)
+            workers.clear()
+
+    yield kill
+    assert workers == []  # it was called
 
 
 def pytest_collection_finish() -> None:

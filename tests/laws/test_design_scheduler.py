@@ -25,29 +25,29 @@ def sent(problem):
 
 @pytest.mark.evidence
 @pytest.mark.parametrize("threads", [7, *dear(1, 2, 60)])
-def test_a_cluster_gives_the_front_of_one_process_whatever_the_chunks(address, threads):
+def test_a_cluster_gives_the_front_of_one_process_whatever_the_chunks(cluster_address, threads):
     here = searched_front(bnh(), SETTINGS)
-    with scheduler_at(address) as two:
+    with scheduler_at(cluster_address) as two:
         assert two.threads == 2
         there = searched_front(sent(bnh()), SETTINGS, evaluate_on=replace(two, threads=threads))
         assert same(there, here)
 
 
-def test_a_worker_that_is_killed_changes_no_bit(address, kill_one):
+def test_a_worker_that_is_killed_changes_no_bit(cluster_address, kill_one):
     here = searched_front(bnh(), SETTINGS)
-    with scheduler_at(address) as two:
+    with scheduler_at(cluster_address) as two:
         there = searched_front(sent(bnh()), SETTINGS, evaluate_on=two, progress=kill_one)
     assert same(there, here)
 
 
-def test_a_nan_from_a_worker_is_the_same_sentence(address):
+def test_a_nan_from_a_worker_is_the_same_sentence(cluster_address):
     def spoiled(values):
         return Evaluated(
             objectives=np.where(values[:, :1] > 4, np.nan, values), violation=values - 9.0
         )
 
     problem, found = replace(bnh(), evaluate=spoiled), []
-    with scheduler_at(address) as two:
+    with scheduler_at(cluster_address) as two:
         for place in (None, two):
             with refused_input(subject="the objective f1") as refused:
                 searched_front(problem, SETTINGS, evaluate_on=place)

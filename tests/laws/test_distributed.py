@@ -76,8 +76,8 @@ def envi_file(folder, interleave="bip", rho=None):
 
 
 @pytest.fixture(scope="module")
-def executor(address):
-    with cluster(address) as found:
+def executor(cluster_address):
+    with cluster(cluster_address) as found:
         yield found
 
 
@@ -225,11 +225,11 @@ def wide_file(tmp_path):
 
 @pytest.mark.evidence
 def test_the_command_writes_the_same_files_on_threads_and_on_any_cluster(
-    address, wide_file, tmp_path, capsys
+    cluster_address, wide_file, tmp_path, capsys
 ):
     assert simulated(wide_file, tmp_path / "threads") == 0
     asked = ("--tile", 10, "--scheduler")
-    assert simulated(wide_file, tmp_path / "there", *asked, address) == 0
+    assert simulated(wide_file, tmp_path / "there", *asked, cluster_address) == 0
     assert simulated(wide_file, tmp_path / "local", "--threads", 1, *asked, "local") == 0
     capsys.readouterr()
     files = files_of(tmp_path / "threads")
