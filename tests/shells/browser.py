@@ -232,6 +232,26 @@ def answer_to(page, act, *, changes="study"):
     return question, reply.json()["parts"]
 
 
+def pressed(page, control, key):
+    """The answer, as of `answer_to`, to a key that is pressed on a control."""
+    control.focus()
+    return answer_to(page, lambda: page.keyboard.press(key))
+
+
+def typed(page, field, text):
+    """The answer, as of `answer_to`, to a text that is typed into a field."""
+    field.fill(text)
+    return answer_to(page, lambda: field.press("Enter"))
+
+
+def picture_panel(page):
+    """The panel of the picture, in sight and with the first picture in it."""
+    panel = page.locator("[data-part=picture]")
+    panel.scroll_into_view_if_needed()
+    panel.locator("img").first.wait_for()
+    return panel
+
+
 def asked_last(page):
     """The last question that `answer_to` saw, else the one that the address stands for."""
     known = getattr(page, "asked_last", None)

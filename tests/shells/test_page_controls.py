@@ -12,8 +12,10 @@ from shells.browser import (
     moved_by_key,
     open_drawers,
     painted,
+    pressed,
     shown,
     state_of,
+    typed,
     until,
 )
 
@@ -90,8 +92,7 @@ def test_every_slider_moves_the_number_beside_it_the_question_the_drawings_and_t
 @pytest.mark.evidence
 def test_a_number_can_be_typed_stepped_and_given_back(page):
     field = page.get_by_label("Exposure time in ms")
-    field.fill("3,5")
-    question, _ = answer_to(page, lambda: field.press("Enter"))
+    question, _ = typed(page, field, "3,5")
     assert question["study"]["exposure"]["time_ms"] == 3.5
     question, parts = answer_to(page, lambda: field.press("ArrowUp"))
     assert 3.5 < question["study"]["exposure"]["time_ms"] < 3.7
@@ -129,8 +130,7 @@ def test_what_is_no_number_is_told_beside_the_field_and_asked_of_nobody(page):
     assert "has to be a number" in row.locator(".fault").inner_text()
     assert field.get_attribute("aria-invalid") == "true"
     assert state_of(page) == before
-    field.fill("2")
-    answer_to(page, lambda: field.press("Enter"))
+    typed(page, field, "2")
     assert row.locator(".fault").count() == 0
 
 
@@ -143,8 +143,7 @@ def test_a_number_out_of_reason_is_told_beside_its_control_until_it_is_mended(pa
     field.press("Enter")
     row.locator(".fault").wait_for()
     assert "your last valid settings" in page.locator("#faults").inner_text()
-    field.fill("3")
-    answer_to(page, lambda: field.press("Enter"))
+    typed(page, field, "3")
     assert row.locator(".fault").count() == 0
     assert page.locator("#faults").is_hidden()
 
@@ -172,9 +171,7 @@ def test_every_choice_is_asked_for_and_drawn(page):
 
 @pytest.mark.evidence
 def test_a_choice_is_made_by_the_keyboard_alone(page):
-    select = page.get_by_label("Color matrix")
-    select.focus()
-    question, _ = answer_to(page, lambda: page.keyboard.press("Home"))
+    question, _ = pressed(page, page.get_by_label("Color matrix"), "Home")
     assert question["study"]["matrices"] == ["kernel"]
     assert page.get_by_label("Weight of the noise").count() == 0
 
@@ -182,9 +179,7 @@ def test_a_choice_is_made_by_the_keyboard_alone(page):
 @pytest.mark.evidence
 def test_another_light_is_typed(page):
     page.locator("select[data-where='light.illuminant']").select_option("other…")
-    field = page.get_by_label("Another light")
-    field.fill("3200K")
-    question, _ = answer_to(page, lambda: field.press("Enter"))
+    question, _ = typed(page, page.get_by_label("Another light"), "3200K")
     assert question["study"]["light"]["illuminant"] == "3200K+0.5xLED850"
 
 
@@ -196,8 +191,7 @@ def test_the_terms_of_comparison_change_the_times(page):
     question, _ = answer_to(page, saturation.click)
     assert question["study"]["exposure"]["equal"] == "saturation"
     assert len(set(times.all_inner_texts())) == 3
-    saturation.focus()
-    answer_to(page, lambda: page.keyboard.press("ArrowLeft"))
+    pressed(page, saturation, "ArrowLeft")
     assert len(set(times.all_inner_texts())) == 1
     question, _ = answer_to(page, lambda: page.keyboard.press("ArrowRight"))
     assert question["study"]["exposure"]["equal"] == "saturation"

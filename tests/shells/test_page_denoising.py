@@ -10,7 +10,7 @@ from chromanoise.imaging.denoising import DENOISING, DenoisingMethod
 from chromanoise.web.controls import choices
 from chromanoise.web.services import STUDY, Services
 from chromanoise.web.uploads import Kept
-from shells.browser import comes, held, let_go, study_of, until
+from shells.browser import comes, held, let_go, picture_panel, study_of, until
 
 PANEL = "[data-part=picture]"
 AT_REST = f"() => !document.querySelector('{PANEL}').hasAttribute('aria-busy')"
@@ -117,9 +117,7 @@ def test_the_noisy_picture_stands_on_both_sides_until_the_denoised_one_has_come(
 @pytest.mark.evidence
 def test_the_divider_goes_by_keys_from_the_denoised_to_the_noisy_picture(window):
     page = window({"study": STUDY | {"pictures": [{"denoise": "guided"}]}})
-    panel = page.locator(PANEL)
-    panel.scroll_into_view_if_needed()
-    panel.locator("img").first.wait_for()
+    panel = picture_panel(page)
     divider = panel.get_by_role("slider")
     divider.focus()
     at = {}

@@ -2,7 +2,16 @@
 
 import pytest
 
-from shells.browser import answer_to, comes, framed, held, moved_by_key, state_of, until
+from shells.browser import (
+    answer_to,
+    comes,
+    framed,
+    held,
+    moved_by_key,
+    picture_panel,
+    state_of,
+    until,
+)
 
 
 @pytest.mark.evidence
@@ -165,9 +174,7 @@ def test_the_picture_is_drawn_again_and_its_divider_moves_by_keyboard(page):
 
 @pytest.mark.evidence
 def test_a_picture_of_a_state_that_was_left_never_stands_under_the_one_before(page):
-    panel = page.locator("[data-part=picture]")
-    panel.scroll_into_view_if_needed()
-    panel.locator("img").first.wait_for()
+    panel = picture_panel(page)
     until(page, "() => !document.querySelector('[data-part=picture]').hasAttribute('aria-busy')")
 
     def seen():

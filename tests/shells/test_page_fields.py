@@ -8,7 +8,7 @@ from chromanoise.study import study_as_json, study_from_data
 from chromanoise.study.schema import PixelPart, SensorPart, Study
 from chromanoise.web.controls import ELSEWHERE, SECTION_HINTS, described_fields, study_defaults
 from chromanoise.web.requests import asset
-from shells.browser import answer_to, at_rest, open_drawers, state_of, study_of
+from shells.browser import answer_to, at_rest, open_drawers, state_of, study_of, typed
 
 FIELDS = {one["key"]: one for one in described_fields()}
 SAMPLES = {  # values of texts, whose description gives no example
@@ -165,8 +165,7 @@ def test_a_value_of_the_pixel_goes_back_to_the_sensors_own(window):
     open_drawers(page)
     field = page.get_by_label("Pixel pitch in µm")
     assert field.get_attribute("placeholder") == "10"
-    field.fill("3.5")
-    answer_to(page, lambda: field.press("Enter"))
+    typed(page, field, "3.5")
     own = page.get_by_role("button", name="as built: Pixel pitch")
     assert own.inner_text() == "as built: 10"
     question, parts = answer_to(page, own.click)

@@ -6,7 +6,7 @@ from chromanoise.charts import drawing, shown
 from chromanoise.charts.registry import SECTIONS
 from chromanoise.study import study_from_data
 from dear import dear
-from shells.browser import answer_to, at_rest, until
+from shells.browser import at_rest, pressed, typed, until
 from shells.test_page_looks import axe, faults_of_access
 
 __all__ = ["axe"]
@@ -132,9 +132,7 @@ def test_a_pinned_number_is_beside_the_number_and_not_over_it(window):
     page.locator("#keep").click()
     page.get_by_label("Name of this pin").wait_for()
     assert cell.inner_text() == before
-    field = page.get_by_label("f-number, as a number")
-    field.fill("5.6")
-    answer_to(page, lambda: field.press("Enter"))
+    typed(page, page.get_by_label("f-number, as a number"), "5.6")
     until(page, "() => document.querySelector('#electrons small')")
     assert cell.locator("small").inner_text().strip() == f"(was {before})"
     top, under = cell.evaluate(
@@ -166,9 +164,7 @@ def test_on_a_phone_a_sheet_holds_the_controls_and_leaves_verdict_and_picture_in
         _, top, _, bottom = box(page, seen)
         assert 0 <= top < bottom <= sheet[1], seen
     verdict = page.locator("#verdict").inner_text()
-    track = page.get_by_label("Light level", exact=True)
-    track.focus()
-    answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
+    pressed(page, page.get_by_label("Light level", exact=True), "Shift+ArrowUp")
     assert page.locator("#verdict").inner_text() != verdict
     assert faults_of_access(page, axe) == []
     small = page.evaluate(

@@ -6,7 +6,7 @@ from importlib.resources import files
 import pytest
 
 from dear import dear
-from shells.browser import answer_to, at_rest, open_drawers, until
+from shells.browser import answer_to, at_rest, open_drawers, picture_panel, typed, until
 
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 SIZES = [(360, 740), (1280, 900), *dear(((768, 1024),), ((1920, 1080),), ((3840, 2160),))]
@@ -80,9 +80,7 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
 def test_axe_finds_no_fault_in_the_divider_between_noisy_and_denoised(window, axe, scheme):
     study = FULL["study"] | {"pictures": [{"denoise": "guided"}]}
     page = window({"study": study}, color_scheme=scheme, viewport={"width": 360, "height": 740})
-    panel = page.locator("[data-part=picture]")
-    panel.scroll_into_view_if_needed()
-    panel.locator("img").first.wait_for()
+    panel = picture_panel(page)
     panel.get_by_role("slider").focus()
     assert faults_of_access(page, axe, [*RULES], within="[data-part=picture]") == []
     assert wider_than_their_panel(page) == []
@@ -224,9 +222,7 @@ def test_on_paper_there_are_no_controls_but_all_drawings_and_the_tables_that_are
 @pytest.mark.evidence
 def test_saturated_channels_say_so_in_words(window):
     page = window()
-    field = page.get_by_label("Exposure time in ms")
-    field.fill("1000")
-    answer_to(page, lambda: field.press("Enter"))
+    typed(page, page.get_by_label("Exposure time in ms"), "1000")
     row = page.locator("#electrons tbody tr").first
     assert row.locator("td").last.inner_text() == "R, G, B, W"
     until(page, "() => document.querySelector('[data-part=budget]').textContent.includes('satur')")

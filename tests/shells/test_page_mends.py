@@ -12,7 +12,10 @@ from shells.browser import (
     held,
     let_go,
     packed,
+    picture_panel,
+    pressed,
     study_of,
+    typed,
     until,
 )
 
@@ -140,9 +143,7 @@ def test_a_link_with_values_of_another_kind_is_one_sentence_over_a_default_study
 
 @pytest.mark.evidence
 def test_a_picture_is_captioned_with_the_sensor_that_it_was_taken_of(page):
-    panel = page.locator("[data-part=picture]")
-    panel.scroll_into_view_if_needed()
-    panel.locator("img").first.wait_for()
+    panel = picture_panel(page)
     waiting = held(page, lambda request: request.url.endswith("/api/picture"))
     captions = panel.locator(".body")
     assert "onyx-rgbw, noisy" in captions.inner_text()
@@ -161,9 +162,7 @@ def test_a_picture_is_captioned_with_the_sensor_that_it_was_taken_of(page):
 
 @pytest.mark.evidence
 def test_the_notes_of_a_picture_are_told_and_faults_with_status_200_are_sentences(page):
-    panel = page.locator("[data-part=picture]")
-    panel.scroll_into_view_if_needed()
-    panel.locator("img").first.wait_for()
+    panel = picture_panel(page)
     said = page.locator(SAID)
 
     def noted(route):
@@ -202,9 +201,7 @@ def test_an_answer_that_turns_nothing_is_not_told_aloud_again(page):
     )
     solid = page.locator("[data-part=vectors] .d-turning g").first
     before = solid.inner_html()
-    track = page.get_by_label("Infrared in the light", exact=True)
-    track.focus()
-    answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
+    pressed(page, page.get_by_label("Infrared in the light", exact=True), "Shift+ArrowUp")
     until(page, "(b) => document.querySelector('.d-turning g').innerHTML !== b", before)
     assert page.evaluate("window.told") == 0
     page.locator(".d-turning").first.focus()
@@ -217,8 +214,7 @@ def test_how_a_lamps_file_was_read_goes_with_the_lamp(window):
     light = {"illuminant": "A", "level_lux": 4.0, "beyond": "hold"}
     page = window({"study": {"light": light, "sensors": PAIR}, "look": {}})
     track = page.get_by_label("Infrared in the light", exact=True)
-    track.focus()
-    question, _ = answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
+    question, _ = pressed(page, track, "Shift+ArrowUp")
     assert question["study"]["light"] == light | {"illuminant": "A+0.5xLED850"}
     select = page.locator("select[data-where='light.illuminant']")
     question, _ = answer_to(page, lambda: select.select_option("3200K"))
@@ -271,9 +267,7 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     result.wait_for()
     assert "highest QE" in result.inner_text()
     assert "--" not in result.inner_text()
-    field = card.get_by_label("Peak QE of relative curves in e")
-    field.fill("0.6")
-    question, _ = answer_to(page, lambda: field.press("Enter"))
+    question, _ = typed(page, card.get_by_label("Peak QE of relative curves in e"), "0.6")
     assert question["study"]["sensors"][0]["answers"]["peak_qe"] == 0.6
     until(
         page, "() => document.querySelector('#electrons tbody th').textContent.startsWith('mine')"
@@ -311,8 +305,7 @@ def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
     waiting = held(page, slow)
     track = page.get_by_label("Light level", exact=True)
     for step in (1, 2):
-        track.focus()
-        question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
+        question, parts = pressed(page, track, "Shift+ArrowUp")
         assert "numbers" in question["want"]
         assert set(question["want"]) <= QUICK
         comes(page, waiting)
@@ -337,9 +330,7 @@ def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
 def test_with_a_kernel_all_that_is_seen_comes_in_one_answer(window):
     study = EVERYTHING | {"matrices": ["kernel"]}
     page = window({"study": study, "look": {}}, viewport={"width": 1280, "height": 6000})
-    track = page.get_by_label("f-number", exact=True)
-    track.focus()
-    question, _ = answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
+    question, _ = pressed(page, page.get_by_label("f-number", exact=True), "Shift+ArrowUp")
     assert {"numbers", "levels", "pareto", "chart", "vectors"} <= set(question["want"])
 
 

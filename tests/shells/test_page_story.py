@@ -16,7 +16,7 @@ from chromanoise.study.analysis import (
 from chromanoise.web.controls import choices
 from chromanoise.web.services import STUDY
 from chromanoise.web.story import ALIKE_FROM_NM, story
-from shells.browser import answer_to, state_of, study_of, until
+from shells.browser import answer_to, pressed, state_of, study_of, until
 
 STEPS = story(STUDY)["steps"]
 SHARED = ("R", "G", "B")
@@ -163,9 +163,7 @@ def test_the_tour_has_an_end_is_left_by_a_slider_and_can_be_resumed(window):
     comes_to(page, 5)
     page.go_back()
     comes_to(page, 4)
-    level = page.locator("[data-where='light.level_lux']")
-    level.focus()
-    answer_to(page, lambda: page.keyboard.press("Shift+ArrowDown"))
+    pressed(page, page.locator("[data-where='light.level_lux']"), "Shift+ArrowDown")
     assert page.locator("#story .story-left").inner_text()
     page.get_by_role("button", name="Restore step 4").click()
     until(page, "() => document.querySelector('#story .story-left').textContent === ''")
@@ -199,21 +197,19 @@ def test_sliders_keep_the_exposure_time_unless_auto_exposure_is_on(window):
     level = page.locator("[data-where='light.level_lux']")
     assert not switch.is_checked()
     assert share.is_disabled()
-    level.focus()
-    question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowDown"))
+    question, parts = pressed(page, level, "Shift+ArrowDown")
     first = question["study"]["exposure"]["time_ms"]
     assert first == 11.94
     assert all(one["time_ms"] == pytest.approx(first) for one in parts["numbers"]["sensors"])
     assert "11.94 ms, f/1.8" in page.locator("#verdict").inner_text()
-    page.locator("[data-where='exposure.f_number']").focus()
-    question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowDown"))
+    aperture = page.locator("[data-where='exposure.f_number']")
+    question, parts = pressed(page, aperture, "Shift+ArrowDown")
     assert question["study"]["exposure"]["time_ms"] == first
     question, parts = answer_to(page, switch.click)
     assert "time_ms" not in question["study"]["exposure"]
     assert state_of(page)["look"]["auto_exposure"]
     assert not share.is_disabled()
-    level.focus()
-    question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowDown"))
+    question, parts = pressed(page, level, "Shift+ArrowDown")
     solved = parts["numbers"]["sensors"][0]["time_ms"]
     assert "time_ms" not in question["study"]["exposure"]
     assert max(parts["numbers"]["sensors"][0]["mean_e"].values()) == pytest.approx(9900)
