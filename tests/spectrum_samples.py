@@ -105,6 +105,10 @@ def workbook_bytes() -> bytes:
     return file.getvalue()
 
 
+CAMERA_CSV = "wavelength_nm,R,G,B\n" + "\n".join(
+    f"{nm},{0.1 + 0.3 * (nm > 590)},{0.1 + 0.3 * (500 < nm < 590)},{0.1 + 0.3 * (nm < 500)}"
+    for nm in range(400, 1051, 10)
+)
 SAMPLES: dict[str, bytes] = {
     "bench.csv": csv_text().encode(),
     "german.csv": german_text().encode(),

@@ -584,23 +584,17 @@ def test_a_flipped_bit_in_a_compressed_matlab_array_never_changes_the_picture(tm
 
 
 @pytest.mark.parametrize("bands_first", [True, False])
-def test_matlab_pixels_run_down_the_columns(tmp_path, bands_first):
+def test_pixels_run_down_the_columns_in_matlab_and_along_the_rows_in_numpy(tmp_path, bands_first):
     expected = numbers() / 128
-    spectra = np.array([expected[r, c] for c in range(4) for r in range(3)])
-    path = write_mat(tmp_path / "a.mat", V=spectra.T if bands_first else spectra)
-    cube = read_cube(path, key="V", shape=(3, 4), wavelengths=(400, 800))
-    assert_holds(cube, expected)
-    assert any("column by column" in note for note in cube.notes)
-
-
-@pytest.mark.parametrize("bands_first", [True, False])
-def test_numpy_pixels_run_along_the_rows(tmp_path, bands_first):
-    expected = numbers() / 128
-    spectra = np.array([expected[r, c] for r in range(3) for c in range(4)])
-    path = write_npz(tmp_path / "a.npz", V=spectra.T if bands_first else spectra)
-    cube = read_cube(path, key="V", shape=(3, 4), wavelengths=(400, 800))
-    assert_holds(cube, expected)
-    assert any("row by row" in note for note in cube.notes)
+    for write, name, pixels, order in (
+        (write_mat, "a.mat", expected.swapaxes(0, 1), "column by column"),
+        (write_npz, "a.npz", expected, "row by row"),
+    ):
+        spectra = pixels.reshape(12, -1)
+        path = write(tmp_path / name, V=spectra.T if bands_first else spectra)
+        cube = read_cube(path, key="V", shape=(3, 4), wavelengths=(400, 800))
+        assert_holds(cube, expected)
+        assert any(order in note for note in cube.notes)
 
 
 @pytest.mark.parametrize("order", ["C", "F"])

@@ -206,11 +206,14 @@ def test_what_a_sheet_leaves_out_is_said():
 # noise profiles
 
 
+def of_profile(slope, offset, black_dn, white_dn):
+    rows = np.array([[slope, offset]])
+    return pixel_from_noise_profile(rows, black_level_dn=black_dn, white_level_dn=white_dn)
+
+
 def test_the_noise_profile_of_docs_numbers_gives_back_its_gain_and_read_noise():
     # docs/numbers.md: 8 bits, black 55, 2 e-/DN, 10 e-: S = 1/400, O = (25 + 1/12)/200^2
-    result = pixel_from_noise_profile(
-        np.array([[0.0025, 6.270833333333e-4]]), black_level_dn=55, white_level_dn=255
-    )
+    result = of_profile(0.0025, 6.270833333333e-4, 55, 255)
     assert result.gain_e_per_dn == pytest.approx(2.0, rel=1e-12)
     assert result.read_noise_e == pytest.approx(10.0, rel=1e-11)
     assert result.adc == Adc(bits=8, gain_e_per_dn=result.gain_e_per_dn, black_level_dn=55)
@@ -238,12 +241,8 @@ def test_codes_drawn_with_a_profile_have_its_variance():
     # another road: Poisson electrons, Gaussian readout, rounding, then S x + O of the codes
     rng = np.random.default_rng(RNG_SEED)
     draws, gain, read, black = 200_000, 2.5, 6.0, 64
-    result = pixel_from_noise_profile(
-        np.array([noise_profile(Adc(bits=12, gain_e_per_dn=gain, black_level_dn=black),
-                                read_noise_e=read)]),
-        black_level_dn=black,
-        white_level_dn=4095,
-    )  # fmt: skip
+    adc = Adc(bits=12, gain_e_per_dn=gain, black_level_dn=black)
+    result = of_profile(*noise_profile(adc, read_noise_e=read), black, 4095)
     for electrons in (0.0, 40.0, 4000.0):
         codes = np.rint(
             black + (rng.poisson(electrons, draws) + read * rng.standard_normal(draws)) / gain
@@ -253,17 +252,13 @@ def test_codes_drawn_with_a_profile_have_its_variance():
 
 
 def test_a_dark_variance_below_that_of_rounding_tells_no_read_noise():
-    result = pixel_from_noise_profile(
-        np.array([[1e-3, 1e-9]]), black_level_dn=0, white_level_dn=1023
-    )
+    result = of_profile(1e-3, 1e-9, 0, 1023)
     assert result.read_noise_e is None
     assert any("less than rounding alone makes" in note for note in result.notes)
 
 
 def test_a_white_level_below_the_top_code_is_told():
-    result = pixel_from_noise_profile(
-        np.array([[1e-4, 1e-6]]), black_level_dn=0, white_level_dn=1000
-    )
+    result = of_profile(1e-4, 1e-6, 0, 1000)
     assert result.adc is not None
     assert result.adc.bits == 10
     assert any("top code 1023" in note for note in result.notes)

@@ -15,6 +15,11 @@ metrics = st.sampled_from(METRICS)
 electrons = st.floats(1.0, 1e6)
 
 
+def white_raw(sensor, exposure):
+    scene = flat_field(equal_energy(GRID), level_lux=10.0)
+    return with_noise(expected_electrons(scene, sensor, exposure), sensor)
+
+
 def channel_db(mean_e, read_noise_e):
     mean = np.array([mean_e])
     raw = raw_of(mean, raw_covariance(mean, read_noise_e=read_noise_e), names=("W",))
@@ -103,8 +108,7 @@ def test_a_dark_and_silent_channel_adds_nothing_to_the_bound():
 @given(sensors(min_channels=2), metrics, st.floats(1e-4, 1.0))
 def test_the_price_of_color_is_never_negative(sensor, metric, time_s):
     exposure = Exposure(time_s=time_s)
-    scene = flat_field(equal_energy(GRID), level_lux=10.0)
-    raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
+    raw = white_raw(sensor, exposure)
     assert (
         float(color_snr_loss_db(raw, colored(raw, kernel_matrix(sensor, exposure, metric))))
         >= -1e-9
@@ -115,8 +119,7 @@ def test_the_price_of_color_is_never_negative(sensor, metric, time_s):
 def test_one_channel_keeps_its_snr_in_luminance_whatever_its_angle(sensor, metric, time_s):
     # docs/numbers.md: Y^ = const x M, so Table 5's loss is no effect of the angle
     exposure = Exposure(time_s=time_s)
-    scene = flat_field(equal_energy(GRID), level_lux=10.0)
-    raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
+    raw = white_raw(sensor, exposure)
     color = colored(raw, kernel_matrix(sensor, exposure, metric))
     wanted = float(snr_db(raw)["a"])
     for name in ("X", "Y", "Z"):
@@ -126,11 +129,10 @@ def test_one_channel_keeps_its_snr_in_luminance_whatever_its_angle(sensor, metri
 
 @given(sensors(min_channels=2), metrics)
 def test_exposure_leaves_the_color_of_a_scene_alone(sensor, metric):
-    scene = flat_field(equal_energy(GRID), level_lux=10.0)
     seen = []
     for time_s in (0.001, 0.1):
         exposure = Exposure(time_s=time_s)
-        raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
+        raw = white_raw(sensor, exposure)
         seen.append(colored(raw, kernel_matrix(sensor, exposure, metric)).mean)
     assert seen[1] == pytest.approx(seen[0], rel=1e-9)
 
@@ -139,14 +141,8 @@ def test_without_read_noise_ten_times_the_time_is_10_db_of_every_color():
     sensor = sensor_of(
         bell_qe([450, 540, 620], [25, 35, 30], [0.6, 0.7, 0.8]), pixel=pixel_with(0.0)
     )
-    scene = flat_field(equal_energy(GRID), level_lux=10.0)
     short, long = (
-        snr_db(
-            colored(
-                with_noise(expected_electrons(scene, sensor, exposure), sensor),
-                kernel_matrix(sensor, exposure),
-            )
-        )
+        snr_db(colored(white_raw(sensor, exposure), kernel_matrix(sensor, exposure)))
         for exposure in (Exposure(time_s=0.001), Exposure(time_s=0.01))
     )
     for name in ("X", "Y", "Z"):

@@ -198,10 +198,7 @@ def test_a_slider_a_dropped_file_a_table_and_the_tour_work(opened, site, native,
     verdict = told["parts"]["head"]["verdict"][0]
     sync_api.expect(page.locator("#verdict")).to_have_text(verdict, timeout=LIMIT_MS)
 
-    file = tmp_path / "mine.csv"
-    rows = [f"{nm},{0.3 + 0.1 * (nm > 500)},0.2" for nm in range(400, 1051, 10)]
-    file.write_text("\n".join(["wavelength_nm,QE A,QE B", *rows]))
-    page.locator("#bring input[type=file]").set_input_files(file)
+    bring_mine(page, tmp_path)
     page.get_by_text("mine.csv").first.wait_for()
 
     heat_map = page.locator("section[data-part=map]")
@@ -256,12 +253,16 @@ def test_an_old_browser_gets_one_sentence(opened):
     page.locator("#unable").get_by_text("This browser cannot run the program").wait_for()
 
 
-def test_after_a_trap_the_program_starts_again_with_the_dropped_files(opened, tmp_path):
-    page = opened(FILE.as_uri())
-    file = tmp_path / "mine.csv"
+def bring_mine(page, folder):
+    file = folder / "mine.csv"
     rows = [f"{nm},{0.3 + 0.1 * (nm > 500)},0.2" for nm in range(400, 1051, 10)]
     file.write_text("\n".join(["wavelength_nm,QE A,QE B", *rows]))
     page.locator("#bring input[type=file]").set_input_files(file)
+
+
+def test_after_a_trap_the_program_starts_again_with_the_dropped_files(opened, tmp_path):
+    page = opened(FILE.as_uri())
+    bring_mine(page, tmp_path)
     page.get_by_role("button", name="Add as a sensor").click()
     page.locator("#electrons").get_by_text("mine").first.wait_for()
     ask = "(body) => fetch('/api/answer', { method: 'POST', body }).then((reply) => reply.json())"

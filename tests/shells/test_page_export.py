@@ -21,7 +21,8 @@ from chromanoise.web.uploads import Kept, Upload, Uploads
 from processes import Patient
 from shells.browser import at_rest, until
 from shells.test_page_looks import RULES, axe, faults_of_access
-from shells.test_serve import FILE, SENSOR, sentence_of
+from shells.test_serve import FILE, sentence_of
+from spectrum_samples import CAMERA_CSV
 
 __all__ = ["axe"]
 
@@ -91,10 +92,10 @@ def test_the_report_of_the_page_is_that_of_the_command_also_of_dropped_files(
     client, tmp_path, monkeypatch
 ):
     dropped = {"X-Filename": "my curves.csv"} | FILE
-    upload = client.post("/api/upload", content=SENSOR, headers=dropped).json()["id"]
+    upload = client.post("/api/upload", content=CAMERA_CSV, headers=dropped).json()["id"]
     study = {"sensors": [{"name": upload}], "pictures": [{"cube": "builtin:checker"}]}
     text = client.post("/api/texts", json={"study": study}).json()["toml"]
-    (tmp_path / "my curves.csv").write_text(SENSOR)
+    (tmp_path / "my curves.csv").write_text(CAMERA_CSV)
     page = client.post("/api/report", json={"study": study}).content
     assert page == reported(tmp_path, text, monkeypatch)
     assert b"my curves.csv" in page
@@ -250,7 +251,7 @@ def test_every_chart_is_saved_as_svg_png_and_csv(window, of):
 
 @pytest.mark.evidence
 def test_a_channel_whose_name_has_a_control_character_is_saved(client, window):
-    curves = SENSOR.replace(",R,", ",R\x01\x1b[1m,", 1)
+    curves = CAMERA_CSV.replace(",R,", ",R\x01\x1b[1m,", 1)
     dropped = {"X-Filename": "odd.csv"} | FILE
     upload = client.post("/api/upload", content=curves, headers=dropped).json()["id"]
     page = window({"study": STUDY | {"sensors": [{"name": upload}]}, "look": {}})
@@ -385,7 +386,7 @@ def folder_of(tmp_path, monkeypatch, files):
 @pytest.mark.usefixtures("plain_report")
 def test_no_file_of_a_study_is_written_by_its_report(tmp_path, monkeypatch):
     pixel = 'schema = "chromanoise pixel"\nschema_version = 1\nread_noise_e = 2.4\n'
-    files = {"study.toml": pixel, "../a.csv": SENSOR}
+    files = {"study.toml": pixel, "../a.csv": CAMERA_CSV}
     empty = folder_of(tmp_path, monkeypatch, files)
     sensors = [{"name": "onyx-rgbw", "pixel": {"file": "study.toml"}}, {"name": "../a.csv"}]
     studies = Studies(Kept(), files=frozenset(files))
@@ -396,9 +397,9 @@ def test_no_file_of_a_study_is_written_by_its_report(tmp_path, monkeypatch):
 
 
 def test_two_files_of_one_name_are_refused(tmp_path, monkeypatch):
-    empty = folder_of(tmp_path, monkeypatch, {"a.csv": SENSOR})
+    empty = folder_of(tmp_path, monkeypatch, {"a.csv": CAMERA_CSV})
     other = tmp_path / "0123.csv"
-    other.write_text(SENSOR.replace("0.4", "0.5"))
+    other.write_text(CAMERA_CSV.replace("0.4", "0.5"))
     kept, dropped = Kept(), f"upload:{'0' * 16}.csv"
     kept.hold((Upload(id=dropped, label="a.csv", path=other, kind="table", size_bytes=1),))
     studies = Studies(kept, files=frozenset({"a.csv"}))

@@ -18,13 +18,10 @@ from shells.browser import (
     typed,
     until,
 )
+from spectrum_samples import CAMERA_CSV
 
 PAIR = [{"name": "onyx-rgbw"}, {"name": "onyx-rgb"}]
 LAMP = "wavelength_nm,power\n" + "\n".join(f"{nm},{1 + nm / 1000}" for nm in range(400, 1051, 10))
-CURVES = "\n".join(
-    f"{nm},{0.1 + 0.3 * (nm > 590)},{0.1 + 0.3 * (500 < nm < 590)},{0.1 + 0.3 * (nm < 500)}"
-    for nm in range(400, 1051, 10)
-)
 QUICK = {"numbers", "sensitivities", "stages", "budget", "ellipses"}
 
 
@@ -38,7 +35,7 @@ def brought(page, name, content):
 @pytest.mark.evidence
 def test_two_files_of_one_name_are_told_apart_and_one_content_is_taken_once(window):
     page = window({"study": {"sensors": PAIR}, "look": {}})
-    first, second = (f"wavelength_nm,R,G,B\n{CURVES.replace('0.4', one)}" for one in ("0.4", "0.5"))
+    first, second = (CAMERA_CSV.replace("0.4", one) for one in ("0.4", "0.5"))
     for content in (first, second):
         add = brought(page, "x.csv", content).get_by_role("button", name="Add as a sensor")
         _, parts = answer_to(page, add.click)
@@ -238,7 +235,7 @@ def test_another_sensor_in_its_place_keeps_the_pixel_the_filter_the_edge_and_the
     select = page.get_by_label("Sensor 1", exact=True).and_(page.locator("select"))
     question, _ = answer_to(page, lambda: select.select_option("model-rgbir"))
     assert question["study"]["sensors"][0] == {"name": "model-rgbir"} | kept
-    report = brought(page, "mine.csv", "wavelength_nm,R,G,B\n" + CURVES)
+    report = brought(page, "mine.csv", CAMERA_CSV)
     exchange = report.get_by_role("button", name="Replace sensor 1")
     exchange.wait_for()
     for choice in report.locator("select").all():
@@ -255,7 +252,7 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     card = page.locator("fieldset.card").first
     label = card.get_by_label("Peak QE of relative curves", exact=True)
     assert label.is_hidden()
-    report = brought(page, "mine.csv", "nm,R,G,B\n" + CURVES)
+    report = brought(page, "mine.csv", CAMERA_CSV.replace("wavelength_nm", "nm"))
     exchange = report.get_by_role("button", name="Replace sensor 1")
     exchange.wait_for()
     for choice in report.locator("select").all():

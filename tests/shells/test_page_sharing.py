@@ -12,6 +12,7 @@ import pytest
 
 from served_page import served, stopped
 from shells.browser import answer_to, at_rest, framed, packed, shown, state_of, study_of, until
+from spectrum_samples import CAMERA_CSV
 
 STUDY = {
     "light": {"illuminant": "E+0.25xLED850", "level_lux": 3.3},
@@ -19,10 +20,6 @@ STUDY = {
     "sensors": [{"name": "onyx-rgbw", "ircut_nm": 700.0}, {"name": "model-rgbir"}],
     "matrices": ["noise-regularized=2"],
 }
-SENSOR = "wavelength_nm,R,G,B\n" + "\n".join(
-    f"{nm},{0.1 + 0.3 * (nm > 590)},{0.1 + 0.3 * (500 < nm < 590)},{0.1 + 0.3 * (nm < 500)}"
-    for nm in range(400, 1051, 10)
-)
 LAMP = "wavelength_nm,power_W\n" + "\n".join(f"{nm},{1 + nm / 1000}" for nm in range(400, 1051, 10))
 TOML = '[light]\nlevel_lux = 2.5\n[[sensors]]\nname = "onyx-rgb"\n[[sensors]]\nname = "onyx-rgbw"\n'
 
@@ -43,7 +40,7 @@ def bring(page, name, content):
 
 def test_a_dropped_sensor_is_understood_and_takes_part_under_its_name(window):
     page = window()
-    brought = bring(page, "my sensor.csv", SENSOR)
+    brought = bring(page, "my sensor.csv", CAMERA_CSV)
     assert "R, G, B" in brought.inner_text()
     for select in brought.locator("select").all():
         select.select_option(index=1)

@@ -348,8 +348,7 @@ def results(workers, *jobs):
 def test_a_computation_that_takes_too_long_is_stopped_and_the_next_is_answered(
     workers, monkeypatch
 ):
-    short = processes.JOBS | {"answer": replace(processes.JOBS["answer"], cpu_s=0, limit_s=0.2)}
-    monkeypatch.setattr(processes, "JOBS", short)
+    limit(monkeypatch, "answer", cpu_s=0, limit_s=0.2)
     stopped, answered = results(workers, ("answer", HEAVY), ("texts", HEAD))
     assert isinstance(stopped, QuestionError)
     assert stopped.status == 200
@@ -358,10 +357,7 @@ def test_a_computation_that_takes_too_long_is_stopped_and_the_next_is_answered(
 
 
 def test_a_file_that_takes_too_much_of_the_processor_is_refused(workers, monkeypatch):
-    short = processes.JOBS | {
-        "previewed": replace(processes.JOBS["previewed"], cpu_s=0, limit_s=60.0)
-    }
-    monkeypatch.setattr(processes, "JOBS", short)
+    limit(monkeypatch, "previewed", cpu_s=0, limit_s=60.0)
     uploads = Uploads()
     try:  # with cpu_s=0, the limit is the next full second of the process
         (refused,) = results(workers, ("previewed", uploads.keep("a.csv", ROWS)))
@@ -496,10 +492,7 @@ def test_no_file_of_the_working_folder_is_imported_by_a_worker_process(tmp_path,
 def test_a_limit_of_the_processor_that_several_threads_reach_is_said_to_be_one_of_time(
     workers, monkeypatch
 ):
-    long = processes.JOBS | {
-        "previewed": replace(processes.JOBS["previewed"], cpu_s=1, limit_s=60.0)
-    }
-    monkeypatch.setattr(processes, "JOBS", long)
+    limit(monkeypatch, "previewed", cpu_s=1, limit_s=60.0)
     # what the server sees where threads use a second of the processor in less than a second
     for code in (-signal.SIGXCPU, _sandbox.TOO_LONG):
         ended = processes.ProcessEndedError(0.6, has_begun=True, exit_code=code)
@@ -512,11 +505,7 @@ def test_a_limit_of_the_processor_that_several_threads_reach_is_said_to_be_one_o
     ("stop", "code"), [(signal.SIGKILL, -9), (signal.SIGXCPU, -24), (signal.SIGSEGV, -11)]
 )
 def test_the_signal_that_ended_a_process_is_reported(workers, stop, code):
-    workers._nursery.worker(LANE.memory_bytes).close()  # now there is one that forks
-    before = set(children_of(workers))
-    one = workers._nursery.worker(LANE.memory_bytes)
-    wait_until(lambda: set(children_of(workers)) - before)
-    (child,) = set(children_of(workers)) - before
+    one, child = forked(workers)
     threading.Timer(0.5, os.kill, (child, stop)).start()
     with pytest.raises(processes.ProcessEndedError) as error:
         one.asked(("answer", (), (HEAVY,), 60, 60.0))
@@ -525,12 +514,8 @@ def test_the_signal_that_ended_a_process_is_reported(workers, stop, code):
 
 
 def test_a_process_that_does_not_begin_is_ended(workers, monkeypatch):
-    workers._nursery.worker(LANE.memory_bytes).close()  # now there is one that forks
     monkeypatch.setattr(processes, "BEGINS_S", 0.5)
-    before = set(children_of(workers))
-    one = workers._nursery.worker(LANE.memory_bytes)
-    wait_until(lambda: set(children_of(workers)) - before)
-    (child,) = set(children_of(workers)) - before
+    one, child = forked(workers)
     os.kill(child, signal.SIGSTOP)
     with pytest.raises(processes.ProcessEndedError) as error:
         one.asked(("texts", (), (HEAD,), 15, 30.0))
@@ -631,6 +616,22 @@ def test_no_process_is_left_when_the_server_ends(stop):
         process.send_signal(stop)
         process.wait(30)
         wait_until(lambda: not any(is_running(pid) for pid in others))
+
+
+def limit(monkeypatch, job, **limits):
+    """Other limits of one kind of job."""
+    own = replace(processes.JOBS[job], **limits)
+    monkeypatch.setattr(processes, "JOBS", processes.JOBS | {job: own})
+
+
+def forked(workers):
+    """A worker and its process."""
+    workers._nursery.worker(LANE.memory_bytes).close()  # now there is one that forks
+    before = set(children_of(workers))
+    one = workers._nursery.worker(LANE.memory_bytes)
+    wait_until(lambda: set(children_of(workers)) - before)
+    (child,) = set(children_of(workers)) - before
+    return one, child
 
 
 def children_of(workers):

@@ -22,16 +22,13 @@ from chromanoise.web.server import listening_socket, page_server
 from chromanoise.web.uploads import MOST_FILES, Uploads
 from outcomes import refused
 from processes import IGNORING, Patient, command, printed
+from spectrum_samples import CAMERA_CSV
 
 BOTH = {
     "light": {"illuminant": "E", "level_lux": 10.0},
     "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}],
 }
 FILE = {"Content-Type": "application/octet-stream"}
-SENSOR = "wavelength_nm,R,G,B\n" + "\n".join(
-    f"{nm},{0.1 + 0.3 * (nm > 590)},{0.1 + 0.3 * (500 < nm < 590)},{0.1 + 0.3 * (nm < 500)}"
-    for nm in range(400, 1051, 10)
-)
 
 
 @pytest.fixture(scope="module")
@@ -321,7 +318,7 @@ def test_a_body_in_pieces_without_length_is_stopped_where_it_is_too_long(address
 
 
 def test_a_dropped_sensor_is_previewed_and_answers_under_its_own_name(client):
-    data = uploaded(client, "my%20sensor.csv", SENSOR).json()
+    data = uploaded(client, "my%20sensor.csv", CAMERA_CSV).json()
     assert data["kind"] == "sensor"
     assert "R, G, B" in data["preview"][0]
     answers = {"level": "absolute", "per": "photon"}
@@ -337,8 +334,8 @@ def test_the_copied_command_names_a_dropped_file_and_runs_twice_where_the_file_l
     client, run, tmp_path, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "my sensor.csv").write_text(SENSOR)
-    used = {"name": uploaded(client, "my%20sensor.csv", SENSOR).json()["id"], "label": "mine"}
+    (tmp_path / "my sensor.csv").write_text(CAMERA_CSV)
+    used = {"name": uploaded(client, "my%20sensor.csv", CAMERA_CSV).json()["id"], "label": "mine"}
     used["answers"] = {"level": "absolute", "per": "photon"}
     for matrices in (["kernel"], ["kernel", "lmmse"]):
         study = BOTH | {"sensors": [used, {"name": "onyx-rgbw"}], "matrices": matrices}
@@ -395,7 +392,7 @@ def test_a_dropped_study_comes_back_as_data(client):
     ],
 )
 def test_a_name_never_becomes_a_path(client, tmp_path, name):
-    reply = uploaded(client, name, SENSOR)
+    reply = uploaded(client, name, CAMERA_CSV)
     data = reply.json()
     assert reply.status_code == 200
     assert not re.search(r"/etc|/tmp|windows|\.\.", reply.text)
@@ -559,7 +556,7 @@ def test_a_number_that_json_does_not_have_is_named(client, word):
 
 def test_a_file_of_this_machine_is_not_opened_by_its_name(client, tmp_path):
     own = tmp_path / "own.csv"
-    own.write_text(SENSOR, encoding="utf-8")
+    own.write_text(CAMERA_CSV, encoding="utf-8")
     for change in ({"sensors": [{"name": str(own)}]}, {"light": {"illuminant": str(own)}}):
         sentence = sentence_of(answered(client, {"study": BOTH | change}), 200)
         assert sentence.startswith(f"'{str(own)[:40]}")
