@@ -94,6 +94,12 @@ def within(name: str, unit: str, value: float, low: float, high: float) -> float
     return number
 
 
+def at_least_one(name: str, count: float | None) -> None:
+    """Raise `InputError` if a count is given and less than 1."""
+    if count is not None and count < 1:
+        raise InputError(name, "must be at least 1", value=count)
+
+
 def whole(name: str, value: Any, least: int, most: int, *, most_as: str = "") -> int:
     """A whole number from ``least`` to ``most``, which an error may write in another way.
 

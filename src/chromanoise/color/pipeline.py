@@ -159,8 +159,7 @@ def gains_covariance(gray: Measurement, pixels: int) -> Float[Array, "p p"]:
     array([[0.   , 0.   ],
            [0.   , 0.005]])
     """
-    if pixels < 1:
-        raise InputError("white_balance_pixels", "must be at least 1", value=pixels)
+    check.at_least_one("white_balance_pixels", pixels)
     gains = gray_gains(gray.mean, gray.names)
     reference = reference_channel(gray.names, gray.mean)
     slope = -np.diag(gains / gray.mean)

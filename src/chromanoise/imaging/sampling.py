@@ -84,8 +84,7 @@ def noisy_electrons(
     width = own_width if width is None else width
     check.whole_of_bits("seed", seed, _SEED_BITS)
     check.whole_of_bits("frame", frame, _FRAME_BITS)
-    if threads is not None and threads < 1:
-        raise InputError("threads", "must be at least 1", value=threads)
+    check.at_least_one("threads", threads)
     _demand_room(mean_e.shape, first_row, first_column, width)
     with np.errstate(over="ignore"):  # values above float32 are refused as infinite
         mean = np.ascontiguousarray(mean_e, dtype=np.float32).reshape(-1, channels)

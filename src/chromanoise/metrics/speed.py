@@ -227,8 +227,7 @@ def illuminance_for_snr_adapted(
     array([100.])
     """
     per_lux = _gray_electrons_per_lux(sensor, illuminant, exposure, reflectance)
-    if steps_per_decade < 1:
-        raise InputError("steps_per_decade", "must be at least 1", value=steps_per_decade)
+    check.at_least_one("steps_per_decade", steps_per_decade)
 
     def enough(lux: float) -> bool:
         return _level_of_row(per_lux, sensor, exposure, matrix_at(lux), coordinate, snr) <= lux

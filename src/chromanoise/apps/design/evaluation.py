@@ -304,8 +304,7 @@ class Objectives:
         names = [check.one_of("objective", name, tuple(OBJECTIVES)) for name in self.objectives]
         object.__setattr__(self, "objectives", check.distinct("objectives", names))
         check.one_of("over_scenes", self.over_scenes, get_args(OverScenes))
-        if self.threads is not None and self.threads < 1:
-            raise InputError("threads", "must be at least 1", value=self.threads)
+        check.at_least_one("threads", self.threads)
         grids = {scene.point.illuminant.grid for scene in self.scenes}
         if len(grids) > 1:
             raise InputError(

@@ -127,8 +127,7 @@ class NoiseSampler:
 
     def __post_init__(self) -> None:
         check.whole_of_bits("seed", self.seed, _SEED_BITS)
-        if self.threads is not None and self.threads < 1:
-            raise InputError("threads", "must be at least 1", value=self.threads)
+        check.at_least_one("threads", self.threads)
 
     def __call__(
         self,

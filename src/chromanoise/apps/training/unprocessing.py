@@ -332,8 +332,7 @@ class NoisyDataset:
         _torch()
         if len(pictures) == 0:
             raise InputError("pictures", "must hold at least one picture", value=0)
-        if repeats < 1:
-            raise InputError("repeats", "must be at least 1", value=repeats)
+        check.at_least_one("repeats", repeats)
         self.pictures, self.sampler, self.unit = pictures, sampler, unit
         self.iso, self.time_s, self.repeats = iso, time_s, repeats
         self.epoch = 0
