@@ -319,6 +319,6 @@ def test_candidates_whose_channels_see_next_to_nothing_do_not_end_a_search(tmp_p
     text = DESIGN_STARTER.replace("center_nm = [560, 680]", "center_nm = [1, 680]", 1)
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)  # as on the command line
-        found = optimized(with_effort(read(tmp_path, text), budget=600))
+        found = optimized(with_effort(read(tmp_path, text), budget=600), None)
     assert len(found.members) > 100
     assert not found.result.convergence.failures
