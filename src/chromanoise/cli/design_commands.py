@@ -36,7 +36,6 @@ from chromanoise.cli.output import (
     write_outputs,
 )
 from chromanoise.io import Column, Table, head
-from chromanoise.noise import conditions
 from chromanoise.study import study_of
 
 if TYPE_CHECKING:
@@ -145,7 +144,7 @@ def _front_so_far(now: "Progress", objectives: tuple[str, ...]) -> str:
 
 def _print_design(found: "Design", folder: Path) -> None:
     print_lines(found.sentences)
-    terminal_tables.print_conditions(conditions([one.point for one in found.task.scenes[:1]]))
+    terminal_tables.print_conditions(found.conditions)
     terminal_tables.print_table(_objectives_table(found), width=_WIDTH)
     terminal_tables.print_table(_values_table(found), width=_WIDTH)
     print_lines([""])
@@ -153,7 +152,8 @@ def _print_design(found: "Design", folder: Path) -> None:
     print_lines([written])
     command = found.analyze_command(found.front.knee.name, str(folder))
     if command:
-        print_lines([f"To analyze the knee: {command}"])
+        where = " in the first scene" if len(found.task.scenes) > 1 else ""
+        print_lines([f"To analyze {found.front.knee.name}{where}: {command}"])
 
 
 def _objectives_table(found: "Design") -> Table:

@@ -165,7 +165,20 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
         sensor_of(part, key=f"sensors.{i}", given=given, varied=_varied(study))
         for i, part in enumerate(study.sensors)
     ]
-    return with_distinct_names(operating_points_in(study, illuminant, sensors, given))
+    return _with_files_told_apart(study, operating_points_in(study, illuminant, sensors, given))
+
+
+def _with_files_told_apart(study: Study, points: list[OperatingPoint]) -> list[OperatingPoint]:
+    """Sensors of one name get a number; a note says from which file each was read."""
+    count = Counter(one.sensor.name for one in points)
+    told = []
+    for part, one in zip(study.sensors, points, strict=True):
+        sensor = one.sensor
+        if count[sensor.name] > 1 and is_file_word(part.name, "sensor"):
+            notes = (*sensor.notes, f"this is {shown_word(part.name)}")
+            one = replace(one, sensor=replace(sensor, notes=notes))
+        told.append(one)
+    return with_distinct_names(told)
 
 
 def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
@@ -208,7 +221,7 @@ def with_distinct_names(points: Sequence[OperatingPoint]) -> list[OperatingPoint
 
 
 def duplicates(study: Study) -> list[InputError]:
-    """The sensors that are repeated with nothing changed.
+    """An error for each sensor that is repeated with nothing changed.
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
@@ -217,19 +230,26 @@ def duplicates(study: Study) -> list[InputError]:
         for part in study.sensors
     ]
     texts = [part.model_dump_json(exclude={"label"}) for part in named]
-    first = {text: i for i, text in reversed(list(enumerate(texts)))}
-    return [
-        InputError(
-            "name",
-            "must not be repeated with the same settings",
-            value=shown_word(part.name),
-            found=f"{shown_word(part.name)!r} is repeated",
-            remedy=(f"change one in a study file, e.g. sensors.{i}.filter", "omit one"),
-            setting=f"sensors.{i}.name",
+    count, seen, found = Counter(texts), Counter[str](), list[InputError]()
+    for i, (part, text) in enumerate(zip(study.sensors, texts, strict=True)):
+        seen[text] += 1
+        if seen[text] != 2:
+            continue
+        word, more = shown_word(part.name), count[text] - 1
+        found.append(
+            InputError(
+                "name",
+                "must not be repeated with the same settings",
+                value=word,
+                found=f"{word!r} is {'repeated' if more == 1 else f'given {more + 1} times'}",
+                remedy=(
+                    f"change one in a study file, e.g. sensors.{i}.filter",
+                    "omit one" if more == 1 else f"omit {more}",
+                ),
+                setting=f"sensors.{i}.name",
+            )
         )
-        for i, (part, text) in enumerate(zip(study.sensors, texts, strict=True))
-        if first[text] < i
-    ]
+    return found
 
 
 def repeated_labels(study: Study) -> list[InputError]:

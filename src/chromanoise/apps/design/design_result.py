@@ -259,7 +259,8 @@ def convergence_sentences(result: FrontResult, objectives: Sequence[str]) -> lis
     converged = has_converged(result, objectives)
     if converged is None:
         sentences = [
-            f"Whether the search has converged is not known ({effort}): set design.seeds = 3."
+            f"Whether the search has converged is not known ({effort}): it takes design.seeds of 2 "
+            "or more, and a budget of a population for each."
         ]
     else:
         spreads = [
@@ -718,9 +719,10 @@ class Design(Result):
                     ", ".join(held_by(one, parameters)),
                 )
             )
-        scene = conditions([self.task.scenes[0].point])
         return Table(
-            title=f"Front of a design at {scene}", columns=tuple(columns), rows=tuple(rows)
+            title=f"Front of a design at {self.conditions}",
+            columns=tuple(columns),
+            rows=tuple(rows),
         )
 
     def plot(self, ax: Any = None) -> Any:
@@ -729,11 +731,19 @@ class Design(Result):
 
     def __repr__(self) -> str:
         """Number of members and the operating point."""
-        scene = conditions([self.task.scenes[0].point])
-        return f"<Design: front of {len(self.members)} sensors at {scene}>"
+        return f"<Design: front of {len(self.members)} sensors at {self.conditions}>"
 
     def _repr_html_(self) -> str:
-        return self._html(f"At {conditions([self.task.scenes[0].point])}", self.sentences)
+        return self._html(f"At {self.conditions}", self.sentences)
+
+    @property
+    def conditions(self) -> str:
+        """The operating point in words; of several scenes all, and which of their values counts."""
+        first, *others = [conditions([one.point]) for one in self.task.scenes]
+        if not others:
+            return first
+        counts = f"the {self.task.evaluator.over_scenes} of {1 + len(others)} scenes"
+        return f"{counts}: {'; '.join([first, *others])}"
 
     def _member(self, name: str) -> Member:
         for one in self.members:

@@ -335,7 +335,7 @@ class SearchOptions:
                 "budget",
                 f"must be at least one population of {self.population} candidates",
                 value=self.budget,
-                remedy=(Setting("budget", (self.population,)), Setting("population")),
+                remedy=(Setting("budget", (self.population,)), "choose a smaller population"),
             )
 
 
@@ -376,8 +376,8 @@ class Milestone:
     Attributes
     ----------
     hypervolume
-        Share that the front (at most 64 members of it) dominates of the box between the best values
-        of the final front and the reference point, 0 to 1. ``None`` for one objective.
+        Share that the front (64 members of it, at the end 1,000) dominates of the box between the
+        best values of the final front and the reference point, 0 to 1. ``None`` for one objective.
     best
         Best value of each objective.
     """
@@ -702,7 +702,7 @@ class _Populations:
         final = problem.costs(archive.objectives)
         low, high = final.min(axis=0), final.max(axis=0)
         reference = high + _BEYOND * (high - low)
-        self.remember(now.evaluations, archive)
+        fronts = self._fronts | {now.evaluations: final[thinned(final, LARGEST)]}
 
         def volume(costs: Float[Array, "k q"]) -> float | None:
             return hypervolume(costs, low, reference) if len(problem.objectives) > 1 else None
@@ -714,7 +714,7 @@ class _Populations:
                     hypervolume=volume(costs),
                     best=problem.costs(costs.min(axis=0, initial=np.inf)),
                 )
-                for evaluations, costs in sorted(self._fronts.items())
+                for evaluations, costs in sorted(fronts.items())
             ),
             reference=problem.costs(reference),
             seeds=tuple(one.seed for one in started),
