@@ -275,7 +275,7 @@ def _scale(
     if highest <= _PERCENT_AT_MOST and min(highs) <= 1:
         return "fraction", 1.0, ()  # another curve is in fractions, and files do not mix the two
     if highest <= _PERCENT_AT_MOST and quantity is not None:
-        note = f"no {quantity} is {highest:g}: taken as percent, divided by 100"
+        note = f"a {quantity} of {highest:g} can only be in percent: divided by 100"
         return "percent", 0.01, (note,)
     return "as written", 1.0, ()
 
