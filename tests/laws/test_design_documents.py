@@ -322,3 +322,13 @@ def test_candidates_whose_channels_see_next_to_nothing_do_not_end_a_search(tmp_p
         found = optimized(with_effort(read(tmp_path, text), budget=600), None)
     assert len(found.members) > 100
     assert not found.result.convergence.failures
+
+
+def test_a_choice_is_shown_by_its_name(tmp_path):
+    text = (EXAMPLES / "better_than_both_dyes.toml").read_text()
+    found = optimized(with_effort(read(tmp_path, text), budget=400), None)
+    table = found.to_table()
+    at = [column.name for column in table.columns].index("R.curve")
+    chosen = {row[at] for row in table.rows[len(found.references) :]}
+    assert chosen <= {"mt9v024-rgbw:R", "mt9v024-rgbw:G", "mt9v024-rgbw:B"}
+    assert chosen

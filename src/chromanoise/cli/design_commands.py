@@ -76,20 +76,31 @@ def optimize(
     front.csv, front.svg and sensors/NAME.json, which every command takes as SENSOR. A stopped
     search continues with --resume. A folder that holds another design is refused.
     """
-    from chromanoise.apps.design import optimized, read_design, scheduler_at, with_effort
+    from chromanoise.apps.design import (
+        CHECKPOINT,
+        optimized,
+        read_design,
+        scheduler_at,
+        with_effort,
+    )
 
     document = with_effort(read_design(design), budget=budget, seed=seed)
     refuse_inputs(json_target, "--json", str(design))
     folder = out or Path("out") / design.stem
     cluster: Any = nullcontext() if scheduler is None else scheduler_at(scheduler)
     with cluster as evaluate_on:
-        found = optimized(
-            document,
-            folder,
-            resume=resume,
-            evaluate_on=evaluate_on,
-            progress=_reporter(document.design.objectives),
-        )
+        try:
+            found = optimized(
+                document,
+                folder,
+                resume=resume,
+                evaluate_on=evaluate_on,
+                progress=_reporter(document.design.objectives),
+            )
+        except KeyboardInterrupt:
+            if (folder / CHECKPOINT).exists():
+                click.echo(f"chromanoise: --resume continues the search of {folder}", err=True)
+            raise
     write_outputs(as_json(json_target, found.to_dict))
     if json_target != "-":
         _print_design(found, folder)

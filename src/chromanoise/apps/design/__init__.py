@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         with_effort as with_effort,
     )
     from chromanoise.apps.design.design_result import (
+        CHECKPOINT,
         Design as Design,
         optimized as optimized,
         read_design as read_design,

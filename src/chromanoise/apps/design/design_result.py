@@ -125,14 +125,14 @@ class ShownNumber:
     Attributes
     ----------
     values
-        One per member. [unit]
+        One per member [unit], or the name of a choice.
     bounds
-        Its range in words.
+        Its range, or all choices, in words.
     """
 
     name: str
     unit: str
-    values: tuple[float, ...]
+    values: tuple[float, ...] | tuple[str, ...]
     bounds: str
 
 
@@ -498,7 +498,11 @@ class Design(Result):
         most = 1.0 - (len(self.task.space.channels) - 1) * LEAST_SHARE
         bounds = f"{100 * LEAST_SHARE:g} to {100 * most:g}"
         for i, one in enumerate(parameters):
-            if not _is_of_rest(one):
+            if one.choices:
+                chosen = tuple(one.choices[round(member.values[i])] for member in self.members)
+                own = ", ".join(one.choices)
+                found.append(ShownNumber(name=one.name, unit="", values=chosen, bounds=own))
+            elif not _is_of_rest(one):
                 values = tuple(float(member.values[i]) for member in self.members)
                 unit = "" if one.unit == "1" else one.unit
                 own = f"{one.low:g} to {one.high:g}"

@@ -105,7 +105,7 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
         factor=factor,
         step_nm=step_nm(curves.wavelength_nm),
         gaps_nm=tuple(sorted(gaps)),
-        merged=sum(p.merged for p in points),
+        merged=max(p.merged for p in points),
         quantity=quantity,
         level=level,
         per=_per(found, answers, columns, quantity),
