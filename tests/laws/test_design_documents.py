@@ -83,7 +83,7 @@ def test_the_starter_is_a_design_with_two_references_and_seven_free_numbers(tmp_
     ],
 )
 def test_a_number_is_fixed_free_or_tied(tmp_path, written, value):
-    text = HEAD + CHANNEL.replace("[560, 680]", written).replace("40", "[20, 600]")
+    text = HEAD + CHANNEL.replace("[560, 680]", written).replace("40", "[120, 600]")
     document = read(tmp_path, text)
     assert document.design.channels[0].numbers["center_nm"] == value
 
@@ -95,6 +95,7 @@ def test_a_number_is_fixed_free_or_tied(tmp_path, written, value):
         (("[560, 680]", "[560]"), "design.channels.0.center_nm"),
         (("[560, 680]", "true"), "design.channels.0.center_nm"),
         (("[560, 680]", "[-5, 680]"), "design.channels.0.center_nm"),
+        (("[560, 680]", "[0.56, 0.68]"), "design.channels.0.center_nm"),
         (("width_nm", "widht_nm"), "design.channels.0.widht_nm"),
         (("width_nm = 40", ""), "design.channels.0.width_nm"),
         (("width_nm = 40", 'width_nm = "G.width_nm"'), "design.channels.0.width_nm"),

@@ -43,6 +43,7 @@ from chromanoise.sensor.filters import (
     raised_cosine_filter,
     resin_filter,
     silicon_qe,
+    wavelength_at_nm,
 )
 from chromanoise.spectra import Grid
 
@@ -407,7 +408,7 @@ def _model(
 def _resin(
     grid: Grid,
     *,
-    low_nm: Annotated[Number, length_nm("wavelength at which the band begins")],
+    low_nm: Annotated[Number, wavelength_at_nm("wavelength at which the band begins")],
     band_width_nm: Annotated[Number, length_nm("full width of the band")],
     gap_nm: Annotated[
         Number,
@@ -423,7 +424,7 @@ def _resin(
 def _ir_cut(
     grid: Grid,
     *,
-    cutoff_nm: Annotated[Number, length_nm("wavelength of half transmittance")],
+    cutoff_nm: Annotated[Number, wavelength_at_nm("wavelength of half transmittance")],
     **others: Number,
 ) -> Array:
     return ir_cut(grid, edge_nm=cutoff_nm, **others)

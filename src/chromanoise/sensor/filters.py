@@ -24,6 +24,8 @@ LEAST_LENGTH_UM = 1e-6
 """Shortest depth or thickness of a model: no number is divided by 0. [um]"""
 LEAST_LENGTH_NM = 1e-3
 """Shortest wavelength or width of a model: no number is divided by 0. [nm]"""
+LEAST_WAVELENGTH_NM = 100.0
+"""Shortest wavelength at which a filter of a design does something: 0.56 is one in um. [nm]"""
 _CM_PER_UM = 1e-4
 _LARGEST = float(np.finfo(np.float64).max)
 _MODEL = r"ircut-([\d.]+)(?:/([\d.]+))?"
@@ -61,6 +63,11 @@ def length_nm(what: str) -> ModelNumber:
     return ModelNumber(unit="nm", what=what, least=LEAST_LENGTH_NM)
 
 
+def wavelength_at_nm(what: str) -> ModelNumber:
+    """A wavelength at which a filter does something."""
+    return ModelNumber(unit="nm", what=what, least=LEAST_WAVELENGTH_NM)
+
+
 def share_of_light(what: str) -> ModelNumber:
     """A share or a transmittance, 0 to 1."""
     return ModelNumber(unit="1", what=what, most=1.0)
@@ -69,7 +76,7 @@ def share_of_light(what: str) -> ModelNumber:
 _Peak = Annotated[Number, share_of_light("highest transmittance")]
 _Floor = Annotated[Number, share_of_light("transmittance far from the band")]
 _Leak = Annotated[Number, share_of_light("share of the stopped light that passes in the infrared")]
-_LeakFrom = Annotated[Number, length_nm("wavelength above which it passes")]
+_LeakFrom = Annotated[Number, wavelength_at_nm("wavelength above which it passes")]
 _EdgeWidth = Annotated[Number, length_nm("logistic scale of the edge")]
 
 
@@ -402,7 +409,7 @@ LEAK_EDGE_NM = 24.0
 def gaussian_filter(
     grid: Grid,
     *,
-    center_nm: Annotated[Number, length_nm("wavelength of the peak")],
+    center_nm: Annotated[Number, wavelength_at_nm("wavelength of the peak")],
     width_nm: Annotated[Number, length_nm("standard deviation")],
     peak: _Peak = 1.0,
     floor: _Floor = 0.0,
@@ -450,7 +457,7 @@ def gaussian_filter(
 def raised_cosine_filter(
     grid: Grid,
     *,
-    center_nm: Annotated[Number, length_nm("wavelength of the peak")],
+    center_nm: Annotated[Number, wavelength_at_nm("wavelength of the peak")],
     fwhm_nm: Annotated[Number, length_nm("full width at half maximum")],
     peak: _Peak = 1.0,
     floor: _Floor = 0.0,
@@ -491,7 +498,7 @@ def raised_cosine_filter(
 def long_pass(
     grid: Grid,
     *,
-    cuton_nm: Annotated[Number, length_nm("wavelength of half transmittance")],
+    cuton_nm: Annotated[Number, wavelength_at_nm("wavelength of half transmittance")],
     width_nm: _EdgeWidth = 8.0,
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of a long-pass filter: 0 below a logistic edge, 1 above it.
@@ -523,8 +530,8 @@ def long_pass(
 def dual_band_filter(
     grid: Grid,
     *,
-    cutoff_nm: Annotated[Number, length_nm("wavelength at which the visible ends")],
-    band_nm: Annotated[Number, length_nm("center of the infrared band")],
+    cutoff_nm: Annotated[Number, wavelength_at_nm("wavelength at which the visible ends")],
+    band_nm: Annotated[Number, wavelength_at_nm("center of the infrared band")],
     band_width_nm: Annotated[Number, length_nm("full width of the infrared band")],
     width_nm: Annotated[Number, length_nm("logistic scale of the edges")] = 8.0,
     band_peak: Annotated[Number, share_of_light("transmittance of the infrared band")] = 1.0,
@@ -568,7 +575,7 @@ def dual_band_filter(
 def fabry_perot_filter(
     grid: Grid,
     *,
-    center_nm: Annotated[Number, length_nm("wavelength of the peak")],
+    center_nm: Annotated[Number, wavelength_at_nm("wavelength of the peak")],
     reflectance: Annotated[
         Number, ModelNumber(unit="1", what="reflectance of each mirror", most=MOST_REFLECTANCE)
     ],
@@ -649,7 +656,7 @@ def beer_lambert(transmittance: Float[Array, "*m n"], thickness: Number) -> Inex
 def dye_of_bands(
     grid: Grid,
     *,
-    band_nm: Annotated[Sequence[Number], length_nm("center of an absorption band")],
+    band_nm: Annotated[Sequence[Number], wavelength_at_nm("center of an absorption band")],
     width_nm: Annotated[Sequence[Number], length_nm("standard deviation of the band")],
     density: Annotated[
         Sequence[Number], ModelNumber(unit="1", what="optical density at the center")
