@@ -133,7 +133,7 @@ from chromanoise.apps.design import DESIGN_STARTER, DesignStudy, task_of
 problem = task_of(DesignStudy.model_validate(tomllib.loads(DESIGN_STARTER))).problem()
 middle = (problem.low + problem.high) / 2
 problem.evaluate(middle[None])
-problem.gradient(middle)"""
+problem.gradient(middle[None])"""
 compiling = []
 gc.disable()  # until all tests are collected: what is made before stays to the end
 

@@ -187,7 +187,7 @@ def test_descents_end_if_none_comes_nearer_to_constraints_that_exclude_each_othe
 def test_progress_counts_the_gradients_of_the_polish(monkeypatch):
     monkeypatch.setattr(searching, "_TOLD_EVERY_S", 0.01)
     told = []
-    fine = found(dtlz2(5), budget=400, seeds=2, polish=True, progress=told.append)
+    fine = found(bnh(), budget=400, seeds=2, polish=True, progress=told.append)
     polish = [one for one in told if one.most_gradients]
     assert {one.evaluations for one in polish} == {fine.evaluations}
     counts = [one.gradients for one in polish]
