@@ -125,7 +125,7 @@ def _reporter(objectives: tuple[str, ...]) -> Any:
             share = max(now.gradients, 1) / now.most_gradients
             left_s = (moment - polished_from) * (1 / share - 1)
             click.echo(
-                f"polish of the front: {now.gradients} of at most some {now.most_gradients} "
+                f"polish of the front: {now.gradients} of at most about {now.most_gradients} "
                 f"gradients, at most about {duration(left_s)} left",
                 err=True,
             )
