@@ -107,36 +107,68 @@ def improved(
         Whether another round shall begin after a number of gradients.
     """
     screened = latin_hypercube(problem, min(_SCREENED, max(2 * most, _FIRST)), rng)
-    every = found.joined(assessed(problem, screened))
-    pool, count = every.some(every.feasible), len(problem.objectives)
-    starts = _nearest(problem, every, max(_FIRST, int(_NEAR * len(every.values))))
-    alone = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
-    reference, scale = np.resize(alone, (len(starts), count)), _scale(pool.costs)
-    ends, gradients, settled, last = list[Assessed](), 0, 0, 0
-    target = _excesses(pool.costs, reference, scale).min(axis=1, initial=np.inf)
-    while goes_on(gradients):
-        descents = _Descents(problem, starts, reference, scale, target)
-        ends.append(assessed(problem, descents.ends()))
-        gradients += descents.gradients
-        new = ends[-1].some(ends[-1].feasible)
-        gain = np.inf
-        if len(pool.values) and len(new.values):
-            after = _excesses(new.costs, reference, scale).min(axis=1)
-            gain = np.maximum(target - after, 0.0).mean()
-        elif not len(pool.values) and not len(new.values):
-            gain = 1.0 - ends[-1].misses.min() / every.misses.min()
-        settled = settled + 1 if gain <= _SETTLED else 0
-        pool = pool.joined(new)
-        ended = gradients >= most or settled >= _SETTLED_ROUNDS or len(ends) > _ROUNDS
-        if (last and settled) or last == _LAST_ROUNDS or (ended and not len(pool.values)):
+    rounds = _Rounds(problem, most, goes_on)
+    pool = _meeting_the_constraints(found.joined(assessed(problem, screened)), rounds)
+    if len(pool.values):
+        _trace(pool, rounds, rng)
+    first, *others = rounds.ends
+    return Improved(found=first.joined(*others), gradients=rounds.gradients)
+
+
+class _Rounds:
+    """The rounds so far: where descents ended, gradients, rounds in a row that gained little."""
+
+    def __init__(self, problem: Problem, most: int, goes_on: Callable[[int], bool]) -> None:
+        self.problem, self._most, self._goes_on = problem, most, goes_on
+        self.ends, self.gradients, self.settled = list[Assessed](), 0, 0
+
+    @property
+    def go_on(self) -> bool:
+        """Whether another round may begin."""
+        return self._goes_on(self.gradients)
+
+    @property
+    def are_enough(self) -> bool:
+        spent = self.gradients >= self._most or len(self.ends) > _ROUNDS
+        return spent or self.settled >= _SETTLED_ROUNDS
+
+    def descend(self, starts: Array, reference: Array, scale: Array, target: Array) -> Assessed:
+        descents = _Descents(self.problem, starts, reference, scale, target)
+        self.ends.append(assessed(self.problem, descents.ends()))
+        self.gradients += descents.gradients
+        return self.ends[-1]
+
+    def judge(self, gain: float) -> None:
+        self.settled = self.settled + 1 if gain <= _SETTLED else 0
+
+
+def _meeting_the_constraints(every: Assessed, rounds: _Rounds) -> Assessed:
+    """Candidates that meet the constraints, after descents of each objective alone."""
+    problem, near = rounds.problem, max(_FIRST, int(_NEAR * len(every.values)))
+    while rounds.go_on:
+        starts, pool = _nearest(problem, every, near), every.some(every.feasible)
+        reference = np.resize(_alone(problem), (len(starts), len(problem.objectives)))
+        scale, least = _scale(pool.costs), every.misses.min()
+        target = _excesses(pool.costs, reference, scale).min(axis=1, initial=np.inf)
+        ends = rounds.descend(starts, reference, scale, target)
+        every = every.joined(ends)
+        if every.feasible.any():
+            rounds.judge(_mean_gain(ends, reference, scale, target))
             break
-        if not len(pool.values):
-            every = every.joined(ends[-1])
-            starts = _nearest(problem, every, 2 * _FIRST)
-            reference, target = np.resize(alone, (len(starts), count)), np.full(len(starts), np.inf)
-            continue
-        if last or ended:
-            last, settled = last + 1, 0
+        rounds.judge(1.0 - ends.misses.min() / least)
+        if rounds.are_enough:
+            break
+        near = 2 * _FIRST
+    return every.some(every.feasible)
+
+
+def _trace(pool: Assessed, rounds: _Rounds, rng: np.random.Generator) -> None:
+    """Descents along the front of members, in rounds."""
+    problem, last = rounds.problem, 0
+    count = len(problem.objectives)
+    while rounds.go_on and last < _LAST_ROUNDS and not (last and rounds.settled):
+        if last or rounds.are_enough:
+            last, rounds.settled = last + 1, 0
         pool = pool.some(_distinct(share_of_ranges(problem, pool.values), pool.costs))
         front = pool.costs[non_dominated(pool.costs)]
         if last and len(front) > LARGEST:
@@ -144,7 +176,7 @@ def improved(
         scale = _scale(front)
         most_along = _AT_LAST * (count - 1) if last else _ALONG
         along = _references(front / scale, most_along, rng) * scale
-        each = np.repeat(alone, 1 if last else _ALONE, axis=0)
+        each = np.repeat(_alone(problem), 1 if last else _ALONE, axis=0)
         reference = np.concatenate([each, along])
         excesses = _excesses(pool.costs, reference, scale)
         target = excesses.min(axis=1)
@@ -153,8 +185,23 @@ def improved(
             if last
             else _starts(problem, pool.values, excesses, rng)
         )
-    first, *others = ends
-    return Improved(found=first.joined(*others), gradients=gradients)
+        ends = rounds.descend(starts, reference, scale, target)
+        rounds.judge(_mean_gain(ends, reference, scale, target))
+        pool = pool.joined(ends.some(ends.feasible))
+
+
+def _alone(problem: Problem) -> Float[Array, "q q"]:
+    """References that count one objective each."""
+    return np.where(np.eye(len(problem.objectives), dtype=bool), 0.0, np.inf)
+
+
+def _mean_gain(ends: Assessed, reference: Array, scale: Array, target: Array) -> float:
+    """Of the references over what was known; infinite if no end meets the constraints."""
+    new = ends.costs[ends.feasible]
+    if not len(new):
+        return np.inf
+    after = _excesses(new, reference, scale).min(axis=1)
+    return float(np.maximum(target - after, 0.0).mean())
 
 
 def gradients_at_most(problem: Problem, most: int) -> int:
