@@ -169,16 +169,18 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
 
 
 def _with_files_told_apart(study: Study, points: list[OperatingPoint]) -> list[OperatingPoint]:
-    """Sensors of one name get a number; a note says from which file each was read."""
+    """Sensors of one name get a number; a note on each names its file."""
     count = Counter(one.sensor.name for one in points)
-    told = []
-    for part, one in zip(study.sensors, points, strict=True):
-        sensor = one.sensor
-        if count[sensor.name] > 1 and is_file_word(part.name, "sensor"):
-            notes = (*sensor.notes, f"this is {shown_word(part.name)}")
-            one = replace(one, sensor=replace(sensor, notes=notes))
-        told.append(one)
-    return with_distinct_names(told)
+
+    def with_its_file(point: OperatingPoint, word: str) -> OperatingPoint:
+        sensor = point.sensor
+        if count[sensor.name] == 1 or not is_file_word(word, "sensor"):
+            return point
+        notes = (*sensor.notes, f"the file of this sensor is {shown_word(word)}")
+        return replace(point, sensor=replace(sensor, notes=notes))
+
+    words = [part.name for part in study.sensors]
+    return with_distinct_names(list(map(with_its_file, points, words)))
 
 
 def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:

@@ -122,13 +122,13 @@ class _Rounds:
         self.problem, self._most, self._goes_on = problem, most, goes_on
         self.ends, self.gradients, self.settled = list[Assessed](), 0, 0
 
-    @property
-    def go_on(self) -> bool:
-        """Whether another round may begin."""
+    def may_go_on(self) -> bool:
+        """Whether another round may begin; tells the gradients so far."""
         return self._goes_on(self.gradients)
 
     @property
     def are_enough(self) -> bool:
+        """Whether the gradients are used up, or the last rounds gained little."""
         spent = self.gradients >= self._most or len(self.ends) > _ROUNDS
         return spent or self.settled >= _SETTLED_ROUNDS
 
@@ -145,7 +145,7 @@ class _Rounds:
 def _meeting_the_constraints(every: Assessed, rounds: _Rounds) -> Assessed:
     """Candidates that meet the constraints, after descents of each objective alone."""
     problem, near = rounds.problem, max(_FIRST, int(_NEAR * len(every.values)))
-    while rounds.go_on:
+    while rounds.may_go_on():
         starts, pool = _nearest(problem, every, near), every.some(every.feasible)
         reference = np.resize(_alone(problem), (len(starts), len(problem.objectives)))
         scale, least = _scale(pool.costs), every.misses.min()
@@ -166,7 +166,7 @@ def _trace(pool: Assessed, rounds: _Rounds, rng: np.random.Generator) -> None:
     """Descents along the front of members, in rounds."""
     problem, last = rounds.problem, 0
     count = len(problem.objectives)
-    while rounds.go_on and last < _LAST_ROUNDS and not (last and rounds.settled):
+    while rounds.may_go_on() and last < _LAST_ROUNDS and not (last and rounds.settled):
         if last or rounds.are_enough:
             last, rounds.settled = last + 1, 0
         pool = pool.some(_distinct(share_of_ranges(problem, pool.values), pool.costs))
