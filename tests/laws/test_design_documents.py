@@ -327,6 +327,14 @@ def test_candidates_whose_channels_see_next_to_nothing_do_not_end_a_search(tmp_p
     assert not found.result.convergence.failures
 
 
+def test_the_conditions_of_a_front_name_all_scenes_and_which_value_counts(tmp_path):
+    scenes = "".join(f"[[design.scenes]]\nlevel_lux = {lux}\ntime_ms = 5\n" for lux in (8, 2))
+    found = optimized(read(tmp_path, HEAD + CHANNEL + scenes), None)
+    assert found.conditions.startswith("the worst of 2 scenes: 8 lx (")
+    assert "; 2 lx (" in found.conditions
+    assert found.conditions in found.to_table().title
+
+
 def test_a_choice_is_shown_by_its_name(tmp_path):
     text = (EXAMPLES / "better_than_both_dyes.toml").read_text()
     text = text.replace("[design]\n", "[design]\npolish = false\n")

@@ -184,6 +184,11 @@ def test_descents_end_if_none_comes_nearer_to_constraints_that_exclude_each_othe
     assert sum(len(values) for values in seen) < 400_000
 
 
+def test_the_front_of_all_seeds_dominates_at_least_what_each_dominates():
+    own = found(bnh(), budget=400, seeds=2, polish=True).convergence
+    assert own.milestones[-1].hypervolume >= max(own.hypervolumes)
+
+
 def test_progress_counts_the_gradients_of_the_polish(monkeypatch):
     monkeypatch.setattr(searching, "_TOLD_EVERY_S", 0.01)
     told = []

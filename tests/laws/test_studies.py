@@ -705,6 +705,22 @@ def test_a_thousand_sensors_are_compared_in_linear_time():
     assert time.process_time() - start < 0.5  # by pairs of models: 3 s
 
 
+def test_a_sensor_given_several_times_is_one_error():
+    (repeated,) = duplicates(study_from_data({"sensors": [{"name": "onyx-rgbw"}] * 4}))
+    assert (repeated.setting, repeated.value) == ("sensors.1.name", "onyx-rgbw")
+    assert "4 times" in repeated.found
+
+
+def test_of_files_with_one_name_each_is_named(tmp_path):
+    files = [tmp_path / folder / "s.csv" for folder in "ab"]
+    for file, qe in zip(files, (0.4, 0.5), strict=True):
+        file.parent.mkdir()
+        file.write_text(f"wavelength_nm,R,G\n400,{qe},0.1\n700,0.1,{qe}\n1050,0,0\n")
+    study = study_from_data({"sensors": [{"name": str(file)} for file in files]})
+    for point, file in zip(operating_points_of(study), files, strict=True):
+        assert any(note.endswith(str(file)) for note in point.sensor.notes)
+
+
 def test_equal_names_get_numbers_that_are_not_names_already():
     names = ["cam", "cam", "cam (2)", "cam", "b", "cam (3)", "b"]
     (point,) = operating_points_of(study_from_data({"sensors": [{"name": "onyx-rgbw"}]}))
