@@ -1,6 +1,6 @@
 """The commands ``chromanoise analyze``, ``compare`` and ``matrix``.
 
-``--copy-as`` prints the study of a command as text. Other functions here print the messages and the
+Other functions here print the messages and the
 progress of a study.
 """
 
@@ -29,11 +29,11 @@ from chromanoise.cli.output import (
     as_table,
     fail_if_option,
     json_option,
+    leave_if_copied,
     leave_if_failed,
     print_lines,
     progress_of,
     refuse_taken_inputs,
-    superfluous,
     write_outputs,
 )
 from chromanoise.imaging import Work
@@ -60,46 +60,10 @@ from chromanoise.study import (
     input_notes,
     known_matrices,
     read_record,
-    refuse_idle,
     run,
     run_study,
-    study_as_python,
-    study_as_toml,
     study_of,
 )
-
-_TEXTS = {"python": study_as_python, "toml": study_as_toml}
-_NOT_COPIED = {
-    "json_target": "--json",
-    "fail_if": "--fail-if",
-    "table": "--table",
-    "export": "--export",
-    "threads": "--threads",
-    "tile": "--tile",
-    "scheduler": "--scheduler",
-    "out": "--out",
-    "whole_notes": "--notes",
-}
-
-
-def leave_if_copied(kind: str | None, study: Study) -> None:
-    """With ``--copy-as``, print the study as TOML or as a script, and leave.
-
-    Raises
-    ------
-    InputError
-        If an option was given that is not part of a study, or a setting changes nothing.
-    """
-    if kind is None:
-        return
-    context = click.get_current_context()
-    for name, option in _NOT_COPIED.items():
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            why = "with --copy-as, as a study does not contain it"
-            raise superfluous(option, why, str(context.params[name]))
-    refuse_idle(study)
-    click.echo(_TEXTS[kind](study), nl=False)
-    context.exit()
 
 
 def print_run(

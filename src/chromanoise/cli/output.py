@@ -1,10 +1,11 @@
 """Output of the commands: JSON and tables, errors with options in place of settings, progress.
 
-JSON and tables go to a file or to standard output. Progress is an estimate of the duration, and a
-bar on a terminal.
+JSON and tables go to a file or to standard output, where `--copy-as` prints a study. Progress is an
+estimate of the duration, and a bar on a terminal.
 """
 
 import os
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -26,6 +27,7 @@ from chromanoise.base import (
 )
 from chromanoise.cli.options import own_option
 from chromanoise.io import Table, table_writer
+from chromanoise.study import Study, refuse_idle, study_as_python, study_as_toml
 
 _ANOTHER = "name another file"
 
@@ -56,6 +58,40 @@ def leave_if_failed(sentences: Sequence[str]) -> None:
         click.echo(f"chromanoise: {sentence}", err=True)
     if sentences:
         click.get_current_context().exit(_FAILED)
+
+
+_TEXTS = {"python": study_as_python, "toml": study_as_toml}
+_NOT_COPIED = {
+    "json_target": "--json",
+    "fail_if": "--fail-if",
+    "table": "--table",
+    "export": "--export",
+    "threads": "--threads",
+    "tile": "--tile",
+    "scheduler": "--scheduler",
+    "out": "--out",
+    "whole_notes": "--notes",
+}
+
+
+def leave_if_copied(kind: str | None, study: Study) -> None:
+    """With ``--copy-as``, print the study as TOML or as a script, and leave.
+
+    Raises
+    ------
+    InputError
+        If an option was given that is not part of a study, or a setting changes nothing.
+    """
+    if kind is None:
+        return
+    context = click.get_current_context()
+    for name, option in _NOT_COPIED.items():
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            why = "with --copy-as, as a study does not contain it"
+            raise superfluous(option, why, str(context.params[name]))
+    refuse_idle(study)
+    click.echo(_TEXTS[kind](study), nl=False)
+    context.exit()
 
 
 Output = tuple[str | None, Callable[[], str]]
@@ -163,6 +199,28 @@ def print_lines(lines: Iterable[str]) -> None:
     """Print sentences, each on a line of its own."""
     for line in lines:
         terminal().print(line, soft_wrap=True)
+
+
+_LONGEST_NOTE = 120  # characters of a note on one line
+_ENDS_OF_CLAUSES = re.compile(r"; |: |, | \(")
+
+
+def short_note(text: str) -> str:
+    """A note up to the last clause that ends within 120 characters, with " ..." where it is cut.
+
+    Examples
+    --------
+    >>> short_note("a channel is saturated")
+    'a channel is saturated'
+    >>> short_note("curves are extrapolated by hold, " + "as they end before 1050 nm " * 5)
+    'curves are extrapolated by hold ...'
+    """
+    if len(text) <= _LONGEST_NOTE:
+        return text
+    ends = [found.start() for found in _ENDS_OF_CLAUSES.finditer(text, 0, _LONGEST_NOTE)]
+    whole = [end for end in ends if text.count("(", 0, end) == text.count(")", 0, end)]
+    end = max(whole, default=text.rfind(" ", 0, _LONGEST_NOTE))
+    return f"{text[:end]} ..."
 
 
 _NONE: Mapping[str, str] = {}

@@ -10,7 +10,6 @@ from typing import Any
 import click
 
 from chromanoise.base import __version__, claimed_folder, refuse_unwritable
-from chromanoise.cli.analyses import leave_if_copied
 from chromanoise.cli.options import (
     WHOLE,
     command,
@@ -22,8 +21,7 @@ from chromanoise.cli.options import (
     threads_option,
     with_settings,
 )
-from chromanoise.cli.output import progress_of, write_json
-from chromanoise.cli.terminal_tables import short_note
+from chromanoise.cli.output import leave_if_copied, progress_of, short_note, write_json
 from chromanoise.imaging import Work, any_picture, cluster, is_held
 from chromanoise.noise import conditions
 from chromanoise.spectra import row_source

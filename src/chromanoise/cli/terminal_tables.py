@@ -1,6 +1,5 @@
 """Results as tables on a terminal: analyses, comparisons, matrices, machine readings."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -21,7 +20,7 @@ from chromanoise.apps.paper import (
     verdict,
 )
 from chromanoise.charts import matrices_in_words
-from chromanoise.cli.output import print_lines, terminal
+from chromanoise.cli.output import print_lines, short_note, terminal
 from chromanoise.color import ColorMatrix
 from chromanoise.io import Table as Rows, head as heading, number_text, written_rows
 from chromanoise.metrics import MatrixReport
@@ -117,29 +116,8 @@ def print_conditions(text: str) -> None:
     terminal().print(f"At {text}:", soft_wrap=True)
 
 
-_LONGEST_NOTE = 120  # characters of a note on one line
-_ENDS_OF_CLAUSES = re.compile(r"; |: |, | \(")
-
 Note = tuple[str, str]
 """The name of a sensor and a note on it; an empty name for a note on all of them."""
-
-
-def short_note(text: str) -> str:
-    """A note up to the last clause that ends within 120 characters, with " ..." where it is cut.
-
-    Examples
-    --------
-    >>> short_note("a channel is saturated")
-    'a channel is saturated'
-    >>> short_note("curves are extrapolated by hold, " + "as they end before 1050 nm " * 5)
-    'curves are extrapolated by hold ...'
-    """
-    if len(text) <= _LONGEST_NOTE:
-        return text
-    ends = [found.start() for found in _ENDS_OF_CLAUSES.finditer(text, 0, _LONGEST_NOTE)]
-    whole = [end for end in ends if text.count("(", 0, end) == text.count(")", 0, end)]
-    end = max(whole, default=text.rfind(" ", 0, _LONGEST_NOTE))
-    return f"{text[:end]} ..."
 
 
 def print_notes(notes: Sequence[Note], *, whole: bool, details: Sequence[Note] = ()) -> None:

@@ -24,9 +24,11 @@ import numpy as np
 
 from chromanoise.base import Array, Float, Float32, dataclass
 from chromanoise.imaging.denoising.electron_planes import DenoisingMethod, NoisyPlanes
+from chromanoise.imaging.denoising.guided_plain import LEAST_E2, LEAST_VARIANCE, variance_of
 from chromanoise.imaging.kernel_cache import either_module
 
 _NARROW, _WIDE = 1.0, 8.0  # difference of two levels that is halved, with and without structure
+_ROWS = 16  # of a coarser level at a time: what a pass makes stays in the cache of the processor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,9 +104,8 @@ def guided_estimate(planes: NoisyPlanes, windows: Windows) -> Float32[Array, "h 
     coarse, _ = _estimate(values.pop(), noise, shares[-1], windows)
     while values:
         fine, active = _estimate(values.pop(), noise, shares[len(values)], windows)
-        own, own_active = _halved(fine), _halved(active[None])[0]
-        share = shares[len(values) + 1]
-        _kernels().fuse(fine, coarse, own, own_active, noise, *share, _NARROW, _WIDE)
+        change = _believed(coarse, fine, active, noise, shares[len(values) + 1])
+        _add_enlarged(fine, change)
         coarse = fine
     out = np.ascontiguousarray(np.moveaxis(coarse, 0, 2))
     noiseless = ~planes.law.has_noise
@@ -112,23 +113,73 @@ def guided_estimate(planes: NoisyPlanes, windows: Windows) -> Float32[Array, "h 
     return out
 
 
-def _kernels() -> Any:
-    """The compiled functions, or without numba those of numpy."""
-    return either_module(f"{__package__}.guided_kernels", f"{__package__}.guided_plain")
-
-
 def _halved(values: Float32[Array, "p h w"]) -> Float32[Array, "p h2 w2"]:
-    """Means of 2 x 2 pixels."""
+    """Means of 2 x 2 pixels; fewer at the last row and column of an odd size."""
     p, h, w = values.shape
     out = np.empty((p, -(-h // 2), -(-w // 2)), np.float32)
-    _kernels().halved(values, out)
+    low, right = (np.minimum(np.arange(0, size, 2) + 1, size - 1) for size in (h, w))
+    beside = right if w % 2 else slice(1, None, 2)
+    for y in range(0, out.shape[1], _ROWS):
+        rows = slice(y, y + _ROWS)
+        upper, lower = values[:, 2 * y : 2 * (y + _ROWS) : 2], values[:, low[rows]]
+        total = upper[..., ::2] + upper[..., beside]
+        total += lower[..., ::2]
+        total += lower[..., beside]
+        np.divide(total, 4, out=out[:, rows])
     return out
+
+
+def _believed(
+    coarse: Float32[Array, "p h w"],
+    fine: Float32[Array, "p h2 w2"],
+    active: Float32[Array, "h2 w2"],
+    noise: Float[Array, "3 p"],
+    shares: tuple[Float[Array, " h"], Float[Array, " w"]],
+) -> Float32[Array, "p h w"]:
+    """What the coarse estimate changes of the halved fine one, as far as noise explains it. [e-]
+
+    One factor for all planes, so that the change keeps its color. ``active`` is the activity in the
+    fine estimate; the shares are those of the coarse level.
+    """
+    own, (own_active,) = _halved(fine), _halved(active[None])
+    out = np.empty_like(coarse)
+    for y in range(0, coarse.shape[1], _ROWS):
+        rows = slice(y, y + _ROWS)
+        light = np.maximum(coarse[:, rows], 0, dtype=np.float64)
+        variance = variance_of(noise, light) * (shares[0][rows, None] * shares[1])
+        variance = np.maximum(variance, LEAST_VARIANCE * light * light) + LEAST_E2
+        change = coarse[:, rows] - own[:, rows].astype(np.float64)
+        apart = (change * change / variance).mean(axis=0)
+        gate = _NARROW + (_WIDE - _NARROW) * (1.0 - own_active[rows])
+        out[:, rows] = change / (1 + apart / gate**2)
+    return out
+
+
+def _add_enlarged(fine: Float32[Array, "p h w"], change: Float32[Array, "p h2 w2"]) -> None:
+    """Add the change of the coarse level, bilinear between its pixels."""
+    padded = np.pad(change, ((0, 0), (1, 1), (1, 1)), mode="edge")
+    near, beside, far = (np.float32(one / 16) for one in (9, 3, 1))
+    for y in range(0, change.shape[1], _ROWS):
+        for lower in (0, 1):
+            rows = fine[:, 2 * y + lower : 2 * (y + _ROWS) : 2]
+            here, there = (padded[:, y + k :][:, : rows.shape[1]] for k in (1, 2 * lower))
+            for right in (0, 1):
+                out = rows[..., right::2]
+                width = out.shape[2]
+                own, other = slice(1, 1 + width), slice(2 * right, 2 * right + width)
+                change_beside = there[..., own] + here[..., other]
+                out += near * here[..., own] + beside * change_beside + far * there[..., other]
 
 
 def _share_of_halved(share: Float[Array, " n"]) -> Float[Array, " n2"]:
     """Variance of means of two, from that of each; the last one of an odd number stays alone."""
     pairs = len(share) // 2 * 2
     return np.append(share[:pairs].reshape(-1, 2).sum(axis=1) / 4, share[pairs:])
+
+
+def _kernels() -> Any:
+    """The compiled estimates in windows, or without numba those of numpy."""
+    return either_module(f"{__package__}.guided_kernels", f"{__package__}.guided_plain")
 
 
 def _estimate(

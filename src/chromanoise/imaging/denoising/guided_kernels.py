@@ -1,5 +1,5 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Local linear estimates of planes in square windows, and the fusion of two levels of a pyramid.
+"""Local linear estimates of planes in square windows.
 
 Functions without annotations are compiled, serial, and release the GIL. Windows have their centers
 at even rows and columns. Every sum is taken anew for each window, in the same order whatever the
@@ -125,14 +125,6 @@ def _column_sums(values, sums, skipped):
 
 @_within
 @no_type_check
-def _variance(noise, a, mean):
-    """Variance of plane ``a``, whose mean counts as 0 below 0."""
-    light = max(mean, 0.0)
-    return noise[0, a] + light * (noise[1, a] + light * noise[2, a])
-
-
-@_within
-@no_type_check
 def _whitened(moments, number, noise, share, mean, unit, power):
     """Means, standard deviations of the noise, and the covariance in their unit."""
     p = mean.shape[0]
@@ -141,7 +133,9 @@ def _whitened(moments, number, noise, share, mean, unit, power):
         square = k + a
         for lane in range(_LANES):
             m = moments[a, lane]
-            variance = _variance(noise, a, m) * share[lane]
+            light = max(m, 0.0)
+            variance = noise[0, a] + light * (noise[1, a] + light * noise[2, a])
+            variance *= share[lane]
             variance = max(variance, LEAST_VARIANCE * moments[square, lane]) + LEAST_E2
             mean[a, lane] = m
             unit[a, lane] = np.sqrt(variance)
@@ -186,9 +180,8 @@ def _diagonalized(a, basis):
                     a[j, j, lane] += change
                     a[i, j, lane] = _ZERO
                 for k in range(p):
-                    if k not in (i, j):
-                        x, y = (a[k, i] if k < i else a[i, k]), (a[k, j] if k < j else a[j, k])
-                        _rotated(x, y, cosine, sine)
+                    if k != i and k != j:
+                        _rotated(a[min(k, i), max(k, i)], a[min(k, j), max(k, j)], cosine, sine)
                     _rotated(basis[i, k], basis[j, k], cosine, sine)
 
 
@@ -217,7 +210,8 @@ def _shrunk(power, basis, number, mean, unit, edge, out):
             found = power[i, i, lane]
             # the largest power of noise alone (Marchenko & Pastur), and the signal's power below
             # what was found (Baik & Silverstein, J. Multivar. Anal. 97 (2006) 1382)
-            most = (_ONE + np.sqrt(ratio)) ** 2
+            root = _ONE + np.sqrt(ratio)
+            most = root * root
             middle = found + _ONE - ratio
             root = np.sqrt(max(middle * middle - _FOUR * found, _ZERO))
             signal = max((middle + root) / _TWO - _ONE, _ZERO)
@@ -281,54 +275,3 @@ def _add_row(ring, top, bottom, radius, values, estimate, weight, active):
             for x in range(w):
                 n = min(columns, (x + radius) // 2 + 1) - max(0, (x - radius + 1) // 2)
                 active[x] = line[x] / _F(n * (bottom - top))
-
-
-@_compiled
-@no_type_check
-def halved(values, out):
-    """Means of 2 x 2 pixels; fewer at the last row and column of an odd size."""
-    p, h, w = values.shape
-    for a in range(p):
-        for y in range(out.shape[1]):
-            low = min(2 * y + 1, h - 1)
-            for x in range(out.shape[2]):
-                right = min(2 * x + 1, w - 1)
-                upper = values[a, 2 * y, 2 * x] + values[a, 2 * y, right]
-                out[a, y, x] = (upper + values[a, low, 2 * x] + values[a, low, right]) / _FOUR
-
-
-@_compiled
-@no_type_check
-def fuse(fine, coarse, own, active, noise, row_share, column_share, narrow, wide):
-    """Change the low frequencies of the fine estimate to those of the coarse one, through a gate.
-
-    own: the fine estimate, halved; active (h, w): its activity, halved; the shares are those of the
-    coarse level. coarse is overwritten.
-    """
-    p, h, w = coarse.shape
-    for y in range(h):
-        for x in range(w):
-            apart = 0.0
-            for a in range(p):
-                light = max(np.float64(coarse[a, y, x]), 0.0)
-                variance = _variance(noise, a, light) * row_share[y] * column_share[x]
-                variance = max(variance, LEAST_VARIANCE * light * light)
-                change = np.float64(coarse[a, y, x]) - np.float64(own[a, y, x])
-                apart += change * change / (p * (variance + LEAST_E2))
-            gate = narrow + (wide - narrow) * (1.0 - active[y, x])
-            # one factor for all planes: the change keeps its color
-            factor = _F(1.0 / (1.0 + apart / (gate * gate)))
-            for a in range(p):
-                coarse[a, y, x] = factor * (coarse[a, y, x] - own[a, y, x])
-    for a in range(p):
-        for y in range(fine.shape[1]):
-            near = y // 2
-            far = min(max(near + 2 * (y % 2) - 1, 0), h - 1)
-            for x in range(fine.shape[2]):
-                here = x // 2
-                there = min(max(here + 2 * (x % 2) - 1, 0), w - 1)
-                fine[a, y, x] += (
-                    _F(0.5625) * coarse[a, near, here]
-                    + _F(0.1875) * (coarse[a, far, here] + coarse[a, near, there])
-                    + _F(0.0625) * coarse[a, far, there]
-                )

@@ -1,6 +1,6 @@
-"""The functions of `guided_kernels` in plain numpy, where nothing can be compiled.
+"""`guided_kernels` in plain numpy, where nothing can be compiled.
 
-Their results differ by rounding alone. Sums over windows are differences of sums from the edge.
+The results differ by rounding alone. Sums over windows are differences of sums from the edge.
 """
 
 import numpy as np
@@ -38,7 +38,7 @@ def add_estimates(
     products = np.stack([wide[a] * wide[b] for a in range(p) for b in range(p)])
     square = (_windows(products, ends) / number).reshape(p, p, *number.shape)
     light = np.maximum(mean, 0.0)
-    variance = _variance(noise, light) * share
+    variance = variance_of(noise, light) * share
     variance = np.maximum(variance, LEAST_VARIANCE * np.einsum("aayx->ayx", square)) + LEAST_E2
     unit = np.sqrt(variance)
     power = (square - mean[:, None] * mean) * (number / np.maximum(number - 1.0, 1.0))
@@ -87,7 +87,8 @@ def _sums(planes: Array, ends: Ends, axis: int) -> Array:
     return np.take(summed, stop, axis=axis) - np.take(summed, start, axis=axis)
 
 
-def _variance(noise: Float[Array, "3 p"], light: Float[Array, "p h w"]) -> Float[Array, "p h w"]:
+def variance_of(noise: Float[Array, "3 p"], light: Float[Array, "p h w"]) -> Float[Array, "p h w"]:
+    """Variance at a mean: floor, slope and square of `VarianceLaw` per plane. [e-^2]"""
     floor, slope, square = noise[:, :, None, None]
     return floor + light * (slope + light * square)
 
@@ -100,39 +101,3 @@ def _gain(found: Array, ratio: Array, edge: np.float32) -> Array:
     signal = np.maximum((middle + root) / 2 - 1, 0.0)
     kept = np.clip((found / most - 1) / (edge - 1), 0.0, 1.0)
     return kept * signal / (signal + 1)
-
-
-def halved(values: Float32[Array, "p h w"], out: Float32[Array, "p h2 w2"]) -> None:
-    """As `guided_kernels.halved`."""
-    h, w = values.shape[1:]
-    low, right = (np.minimum(np.arange(0, size, 2) + 1, size - 1) for size in (h, w))
-    upper, lower = values[:, ::2], values[:, low]
-    out[:] = (upper[..., ::2] + upper[..., right] + lower[..., ::2] + lower[..., right]) / 4
-
-
-def fuse(
-    fine: Float32[Array, "p h w"],
-    coarse: Float32[Array, "p h2 w2"],
-    own: Float32[Array, "p h2 w2"],
-    active: Float32[Array, "h2 w2"],
-    noise: Float[Array, "3 p"],
-    row_share: Float[Array, " h2"],
-    column_share: Float[Array, " w2"],
-    narrow: float,
-    wide: float,
-) -> None:
-    """As `guided_kernels.fuse`."""
-    light = np.maximum(coarse.astype(np.float64), 0.0)
-    variance = _variance(noise, light) * (row_share[:, None] * column_share)
-    variance = np.maximum(variance, LEAST_VARIANCE * light * light) + LEAST_E2
-    change = coarse.astype(np.float64) - own
-    apart = (change**2 / variance).mean(axis=0)
-    gate = narrow + (wide - narrow) * (1.0 - active)
-    coarse[:] = change / (1 + apart / gate**2)
-    near_far = []
-    for size, count in zip(fine.shape[1:], coarse.shape[1:], strict=True):
-        at = np.arange(size)
-        near_far.append((at // 2, np.clip(at // 2 + 2 * (at % 2) - 1, 0, count - 1)))
-    (near, far), (here, there) = near_far
-    rows = 0.75 * coarse[:, near] + 0.25 * coarse[:, far]
-    fine += (0.75 * rows[..., here] + 0.25 * rows[..., there]).astype(np.float32)
