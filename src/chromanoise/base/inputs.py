@@ -57,12 +57,9 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
         why = getattr(error, "strerror", None) or error
         raise InputError(str(path)[:200], f"cannot be read ({why})") from None
     mode = status.st_mode
-    inherited = path.absolute().parent in (Path("/dev"), Path("/dev/fd"))
-    if (
-        stat.S_ISREG(mode)
-        or (folder and stat.S_ISDIR(mode))
-        or (pipe and inherited and stat.S_ISFIFO(mode))
-    ):
+    if stat.S_ISREG(mode) or (folder and stat.S_ISDIR(mode)):
+        return status
+    if pipe and stat.S_ISFIFO(mode) and path.absolute().parent in (Path("/dev"), Path("/dev/fd")):
         return status
     kind = next((word for test, word in _KINDS if test(mode)), "of another kind")
     raise InputError(str(path), "must be a regular file", value=kind, found=f"is {kind}")

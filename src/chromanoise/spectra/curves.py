@@ -17,6 +17,7 @@ Both metrics give the same number of electrons F^T L and the same illuminance H^
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -234,6 +235,15 @@ def interpolation_matrix(
                 ),
             )
         notes = (f"{what}: {beyond} beyond {covers}",)
+    matrix = _held_interpolation(known.tobytes(), grid)
+    if notes and beyond == "zero":
+        matrix = np.where(short[:, None], 0.0, matrix)
+    return matrix, notes
+
+
+@lru_cache(maxsize=16)  # files of many sensors have the same wavelengths
+def _held_interpolation(wavelength_nm: bytes, grid: Grid) -> Float[Array, "n m"]:
+    known, wanted = np.frombuffer(wavelength_nm), grid.wavelength_nm
     at = np.clip(wanted, known[0], known[-1])
     right = np.clip(np.searchsorted(known, at, side="left"), 1, known.size - 1)
     share = (at - known[right - 1]) / (known[right] - known[right - 1])
@@ -241,9 +251,7 @@ def interpolation_matrix(
     rows = np.arange(wanted.size)
     matrix[rows, right - 1] = 1.0 - share
     matrix[rows, right] += share
-    if beyond == "zero":
-        matrix[short] = 0.0
-    return matrix, notes
+    return check.frozen(matrix)
 
 
 def is_extrapolation_note(note: str) -> bool:

@@ -63,7 +63,6 @@ _ANY_LUX = 1.0  # of what is scaled to each of the levels
 _COLORS = 3  # fewest independent channels from which X, Y and Z can be made
 _MOST_SUBSETS = 5  # channels of which all subsets are tried
 _ROUNDING = 1e-9  # of a color error, relative
-_STRIDE = 4  # of the matrices whose total error is computed first
 _PALE = 1.0  # mean chroma of a chart without colors
 _ERRORS = 17  # color errors at which the order is checked
 _PER_DECADE, _COARSE = 12, 4  # weights of the noise, at the own light level and at others
@@ -184,12 +183,9 @@ class TradeOff:
 
     def least_total_error(self) -> tuple[float, int]:
         """The least `total_error_as_viewed` of its matrices, and which has it. [Delta E*ab]"""
-        at = np.arange(0, self.weights.size, _STRIDE)
-        for _ in range(2):  # a part of the matrices first, then the neighbors of the best
-            totals = total_error_as_viewed(self.point, self.matrices[at], self.viewing)
-            best = int(at[np.argmin(totals)])
-            at = np.arange(max(0, best - _STRIDE), min(self.weights.size, best + _STRIDE + 1))
-        return float(totals.min()), best
+        totals = total_error_as_viewed(self.point, self.matrices, self.viewing)
+        best = int(np.argmin(totals))
+        return float(totals[best]), best
 
     def place(self, color_error: float) -> float | None:
         """Where the least noise with at most that color error is; ``None`` where no matrix has it.

@@ -428,6 +428,8 @@ def _sweeps(at: Array) -> list[slice]:
     Overlapping ranges of two spectrometers and single repeated wavelengths do not start a new list.
     """
     steps = np.diff(at)
+    if (steps > 0).all():
+        return [slice(0, at.size)]
     falls = bool(np.median(np.sign(steps)) < 0) if steps.size else False
     starts = [0, *(np.flatnonzero(steps > 0 if falls else steps < 0) + 1).tolist(), at.size]
     rows = [slice(i, j) for i, j in pairwise(starts)]

@@ -116,8 +116,14 @@ def _delimiter(lines: list[tuple[int, str]]) -> str:
     If no line is such a row, the first one or two cells of each line are ignored as words, and
     then all words of lines with two numbers or more.
     """
-    parted = {name: [split_line(line, name) for _, line in lines] for name in DELIMITERS}
-    cells = {name: [row for row in rows if len(row) > 1] for name, rows in parted.items()}
+    cells = {
+        name: [
+            row
+            for _, line in lines
+            if (sign is None or sign in line) and len(row := split_line(line, name)) > 1
+        ]
+        for name, sign in DELIMITERS.items()
+    }
 
     apart = [name for name, rows in cells.items() if rows]
     if len(apart) == 1:
@@ -158,7 +164,8 @@ def _split_at_blanks(line: str) -> list[str]:
     """Cells separated by spaces; quoted cells and names with bracketed units stay whole."""
     if '"' in line:
         return [cell for cell in _quoted(" ".join(line.split()), " ") if cell]
-    return re.sub(r"(?<=\w)\s+(?=[\[(])", "", line).split()
+    whole = re.sub(r"(?<=\w)\s+(?=[\[(])", "", line) if "[" in line or "(" in line else line
+    return whole.split()
 
 
 def _quoted(line: str, sign: str) -> list[str]:

@@ -131,9 +131,11 @@ def _out_of_range(curves: Spectra, quantity: Quantity | None, scale: Scaled) -> 
 
 def _outliers(curves: Spectra, quantity: Quantity | None) -> Iterator[str]:
     """Values of hundreds among fractions, as in bands that water absorbs."""
-    usual = float(np.quantile(curves.values, 0.95))
     wild = curves.values > 100
-    if quantity != "power" and usual <= 1.5 and wild.any():
+    if quantity == "power" or not wild.any():
+        return
+    usual = float(np.quantile(curves.values, 0.95))
+    if usual <= 1.5:
         at = curves.wavelength_nm[wild.any(axis=1)]
         yield (
             f"{_count(wild)} above 100 at {at[0]:g}-{at[-1]:g} nm, but 95 % below {usual:.2g}: "
@@ -203,10 +205,11 @@ def _dark_white_patch(curves: Spectra, quantity: Quantity | None) -> Iterator[st
 
 def _guard_values(curves: Spectra) -> Iterator[str]:
     at = curves.wavelength_nm
-    usual = float(np.median(np.diff(at)))
     for end, beside in ((0, 1), (-1, -2)):
+        if curves.values[end].any() or not curves.values[beside].any():
+            continue
         step = abs(float(at[beside] - at[end]))
-        if step > 1.5 * usual and not curves.values[end].any() and curves.values[beside].any():
+        if step > 1.5 * float(np.median(np.diff(at))):
             yield f"a lone 0 at {at[end]:g} nm, {step:g} nm from its neighbor, looks like a guard"
 
 
