@@ -36,6 +36,7 @@ label = "RGB"
 objectives = ["snr_y_db", "delta_e"]
 budget = 16
 population = 8
+polish = false
 """
 CHANNEL = """
 [[design.channels]]

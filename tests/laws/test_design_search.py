@@ -1,7 +1,7 @@
 """A search finds known fronts and optima, and a stopped one continues with the same digits."""
 
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -126,9 +126,18 @@ def test_an_active_constraint_is_reached_and_kept(method):
     assert polished.objectives[0, 0] == pytest.approx(1.4, abs=2e-6)
 
 
-@pytest.mark.parametrize("problem", [zdt1(5), bnh(), dtlz2(5)], ids=["zdt1", "bnh", "dtlz2"])
+@cache
+def after_polish(problem):
+    """The front of a known problem, by its name, after a short search."""
+    return found(SHORT[problem], budget=400, polish=True)
+
+
+SHORT = {"zdt1": zdt1(5), "bnh": bnh(), "dtlz2": dtlz2(5)}
+
+
+@pytest.mark.parametrize("problem", SHORT)
 def test_polish_makes_no_member_worse_and_the_front_better(problem):
-    rough, fine = (found(problem, budget=400, polish=polish) for polish in (False, True))
+    rough, fine = found(SHORT[problem], budget=400, polish=False), after_polish(problem)
     assert fine.gradient_evaluations > 0
     assert fine.evaluations == rough.evaluations
     assert (fine.violation <= 0).all()
@@ -143,7 +152,7 @@ def test_polish_makes_no_member_worse_and_the_front_better(problem):
 
 
 def test_polish_traces_each_edge_of_a_front_of_three_objectives():
-    fine = found(dtlz2(5), budget=400, polish=True)
+    fine = after_polish("dtlz2")
     for k in range(3):
         on_edge = np.delete(fine.objectives[fine.objectives[:, k] < 1e-3], k, axis=1)
         angle = np.sort(np.arctan2(*on_edge.T))
@@ -377,18 +386,18 @@ def test_the_hypervolume_over_the_evaluations_never_falls_and_the_polish_never_l
     assert (worst > best).all()
 
 
-@pytest.mark.parametrize("stop", [3, 11])
-def test_a_resumed_search_has_the_polish_of_one_that_was_not_stopped(stop, tmp_path):
-    options = {"seeds": 2, "polish": True}
-    whole = found(bnh(), budget=480, **options)
+def test_a_resumed_search_has_the_polish_of_one_that_was_not_stopped(tmp_path):
+    search = partial(found, bnh(), budget=480, seeds=2, polish=True)
+    whole = search()
     assert whole.gradient_evaluations > 0
-    file = tmp_path / "search.npz"
-    with pytest.raises(Stopped):
-        found(bnh(), budget=480, checkpoint=file, progress=stopping(stop), **options)
-    again = found(bnh(), budget=480, checkpoint=file, resume=True, **options)
-    assert same(again, whole)
-    assert again.gradient_evaluations == whole.gradient_evaluations
-    np.testing.assert_array_equal(again.convergence.best, whole.convergence.best)
+    for stop in (3, 11):  # in the first seed, and in the second
+        file = tmp_path / f"search-{stop}.npz"
+        with pytest.raises(Stopped):
+            search(checkpoint=file, progress=stopping(stop))
+        again = search(checkpoint=file, resume=True)
+        assert same(again, whole)
+        assert again.gradient_evaluations == whole.gradient_evaluations
+        np.testing.assert_array_equal(again.convergence.best, whole.convergence.best)
 
 
 class Stopped(KeyboardInterrupt):
