@@ -1,4 +1,4 @@
-"""In tests, calls are checked: types, shapes, and axes of one name within one call."""
+"""In tests, calls with arrays are checked: types, shapes, axes of one name within one call."""
 
 from dataclasses import dataclass
 
@@ -30,8 +30,8 @@ def outer(one: Float[Array, "n"]) -> float:
 
 
 @checked
-def doubled(one: float) -> int:
-    return 2 * one
+def scaled(one: Float[Array, "n"], by: float) -> int:
+    return by * one.size
 
 
 @checked
@@ -52,8 +52,8 @@ def ones(*shape):
         lambda: product(ones(2, 3), ones(3)),
         lambda: product(ones(2, 3), np.ones((3, 4), dtype=int)),
         lambda: cut(ones(3)),  # the result
-        lambda: doubled("a"),
-        lambda: doubled(1.5),  # the result
+        lambda: scaled(ones(3), "a"),
+        lambda: scaled(ones(3), 1.5),  # the result
         lambda: Pair(one=ones(3), other=(ones(2),)),
         # of the library, which the import hook has wrapped
         lambda: checked(noise.raw_covariance.__wrapped__)(ones(3).tolist(), read_noise_e=1.0),
@@ -68,5 +68,5 @@ def test_axes_are_named_anew_in_each_call():
     assert product(ones(2, 3), ones(3, 4)).shape == (2, 4)
     assert product(ones(5, 6), ones(6, 7)).shape == (5, 7)
     assert outer(ones(9)) == 2 * 4 * 3 * 9
-    assert doubled(1) == 2  # an int may stand for a float
+    assert scaled(ones(3), 2) == 6  # an int may stand for a float
     assert Pair(one=ones(3), other=(ones(3), ones(3))).one.shape == (3,)

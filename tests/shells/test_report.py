@@ -68,23 +68,26 @@ class Elements(HTMLParser):
 
     def __init__(self, page):
         super().__init__()
-        self.found, self.open = [], []
+        self.found, self.open, self.texts = [], [], []
         self.feed(page)
 
     def handle_starttag(self, tag, attrs):
-        self.found.append([tag, dict(attrs), ""])
+        self.found.append([tag, dict(attrs), slice(len(self.texts), None)])
         self.open.append(self.found[-1])
 
     def handle_endtag(self, tag):
-        while self.open and self.open.pop()[0] != tag:
-            pass
+        while self.open:
+            one = self.open.pop()
+            one[2] = slice(one[2].start, len(self.texts))
+            if one[0] == tag:
+                break
 
     def handle_data(self, data):
-        for element in self.open:
-            element[2] += data
+        self.texts.append(data)
 
     def of(self, tag):
-        return [(attrs, text) for name, attrs, text in self.found if name == tag]
+        found = [(attrs, inside) for name, attrs, inside in self.found if name == tag]
+        return [(attrs, "".join(self.texts[inside])) for attrs, inside in found]
 
 
 def block(page):
@@ -466,11 +469,9 @@ def test_sliders_answer_by_key_with_the_digits_of_the_library(seen, there):
     slider.focus()
     for _ in range(8):
         seen.keyboard.press("ArrowLeft")
-    seen.wait_for_function(
-        "old => document.getElementById('verdict').textContent !== old", arg=before
-    )
     darker = at_value(there, slides_of(there)[0], 1.0)
-    assert seen.inner_text("#verdict") == drawing("head", darker)["verdict"][0]
+    told = "told => document.getElementById('verdict').textContent === told"
+    seen.wait_for_function(told, arg=drawing("head", darker)["verdict"][0])
     assert slider.get_attribute("aria-valuetext") == "1 lx"
     seen.click("section[data-part=budget] summary:text-is('Table')")
     assert cells(seen, "budget") == drawing("budget", darker).table["rows"]
@@ -478,9 +479,7 @@ def test_sliders_answer_by_key_with_the_digits_of_the_library(seen, there):
     seen.keyboard.press("Home")
     assert slider.get_attribute("aria-valuetext") == "10 lx"  # one thing changes at a time
     seen.click("#back")
-    seen.wait_for_function(
-        "old => document.getElementById('verdict').textContent === old", arg=before
-    )
+    seen.wait_for_function(told, arg=before)
 
 
 @pytest.mark.evidence
