@@ -48,8 +48,10 @@ def lab_of_cube_roots(roots: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
     >>> lab_of_cube_roots(np.array([0.5, 0.5, 0.5]))
     array([42.,  0.,  0.])
     """
-    x, y, z = np.moveaxis(roots, -1, 0)
-    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
+    x, y, z = roots[..., 0], roots[..., 1], roots[..., 2]
+    lab = np.empty(roots.shape)
+    lab[..., 0], lab[..., 1], lab[..., 2] = 116 * y - 16, 500 * (x - y), 200 * (y - z)
+    return lab
 
 
 def cie1976_difference(

@@ -10,7 +10,7 @@ from typing import Any, cast, get_args
 
 import numpy as np
 
-from chromanoise.base import Remedy, Setting, __version__, check, json_text
+from chromanoise.base import Remedy, Setting, __version__, check, json_text, kept
 from chromanoise.io.curve_files import read_curves
 from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.interpretation import FRACTION_AT_MOST
@@ -20,6 +20,7 @@ from chromanoise.io.spectra.parsed import (
     SPECTRA_SCHEMA,
     Answers,
     Found,
+    ParsedSpectra,
     array_of,
     held_json,
     number_of,
@@ -199,8 +200,15 @@ def read_sensor(
         the curves do not cover the grid.
     """
     parsed = read_curves(path, answers=answers)
-    curves = qe_of(parsed, answers)
     named = (path.source, path.source) if isinstance(path, Found) else _names(Path(path))
+    return _sensor_of(parsed, named, grid, pixel, answers)
+
+
+@kept  # a study is checked first, then computed: both read its files
+def _sensor_of(
+    parsed: ParsedSpectra, named: tuple[str, str], grid: Grid, pixel: Pixel, answers: Answers
+) -> Sensor:
+    curves = qe_of(parsed, answers)
     return _sensor(named, curves, grid, pixel, answers.beyond, remedy=_remedy(curves, answers))
 
 

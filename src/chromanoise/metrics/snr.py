@@ -57,7 +57,7 @@ def signal_snr_db(color: Measurement, truth: Float[Array, "*px c"]) -> Float[Arr
         The color of the observer, in the same unit. A coordinate that is negative, or
         below ``LEAST_COLOR`` times the truth, is not a signal, however small its noise is.
     """
-    decibels = np.stack([snr_db(color)[name] for name in color.names], axis=-1)
+    decibels = np.stack(list(snr_db(color).values()), axis=-1)
     return np.where(color.mean > LEAST_COLOR * np.abs(truth), decibels, np.nan)
 
 

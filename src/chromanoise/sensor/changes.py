@@ -206,6 +206,9 @@ def with_pixel(
     >>> noisy.pixel.dsnu_e, noisy.converter.bits
     (2.0, 10)
     """
+    if not changes:
+        refuse_coarse_codes(sensor.converter, sensor.pixel)
+        return sensor
     for name in changes:
         check.among("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
     pixel = replace(sensor.pixel, **of_the_sum(sensor.pixel, of_pixel(changes)))

@@ -7,7 +7,7 @@ the patches of a chart.
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -137,7 +137,7 @@ class Stages:
         """True where no SNR of a color is defined: a channel is saturated, or gives one code."""
         return np.asarray((self.saturated | self.one_code).any(axis=-1))
 
-    @property
+    @cached_property
     def temporal_raw(self) -> Measurement:
         """The electrons after readout without fixed-pattern noise (DSNU, PRNU, crosstalk)."""
         sensor, exposure = self.point.sensor, self.point.exposure
@@ -155,12 +155,12 @@ class Stages:
         truth = scene_xyz(self.scene, self.matrix.metric, self.matrix.observer)
         return _at_levels(truth, self.level_lux)
 
-    @property
+    @cached_property
     def contravariant(self) -> Measurement:
         """Contravariant coordinates (eq. 3)."""
         return contravariant(self.raw, self.matrix.frame)
 
-    @property
+    @cached_property
     def color(self) -> Measurement:
         """Color coordinates with covariance (eq. 5). [lx]"""
         if self.lux_per_e is None:
@@ -423,7 +423,7 @@ class Analysis:
         """Channels whose SNR is undefined: saturated, or with one code."""
         return np.asarray(self.saturated | self.one_code)
 
-    @property
+    @cached_property
     def point(self) -> OperatingPoint:
         """Sensor, exposure, lamp and illuminance, without the patch."""
         return OperatingPoint(

@@ -228,7 +228,9 @@ def duplicates(study: Study) -> list[InputError]:
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
     named = [
-        part.model_copy(update={"name": catalog_word(part.name, "sensor")})
+        part
+        if is_file_word(part.name, "sensor")
+        else part.model_copy(update={"name": catalog_word(part.name, "sensor")})
         for part in study.sensors
     ]
     texts = [part.model_dump_json(exclude={"label"}) for part in named]

@@ -41,7 +41,7 @@ from chromanoise.study.analysis import electrons_at
 from chromanoise.study.assembly import NOTHING_GIVEN, Given, sensor_of
 from chromanoise.study.cameras import AT_THE_SENSOR, GRAY_LUX_S, camera_pixel
 from chromanoise.study.catalog import assumptions, is_assumed, sensor_named
-from chromanoise.study.color_noise import GRAY, Viewing, noise_as_viewed
+from chromanoise.study.color_noise import GRAY, USUAL_VIEWING, noise_as_viewed
 from chromanoise.study.schema import Study
 
 GRID = Grid.uniform(400, 780, 5)
@@ -329,7 +329,7 @@ def _at_iso(point: OperatingPoint, iso: float, matrix: ColorMatrix, *, known: bo
     blocks_e = pixels * _blocks_e(point)
     patches = with_noise(electrons_at(point, reflectance=_chart().values.T), sensor, exposure)
     distances = pair_distances(patches, all_pairs(_chart()).indices)
-    viewed = noise_as_viewed(white_e, sensor, exposure, matrix.matrix, Viewing())
+    viewed = noise_as_viewed(white_e, sensor, exposure, matrix.matrix, USUAL_VIEWING)
     best, of_matrix = (
         distinguishable_colors_bits(blocks_e, matrix=reader, **dark)
         for reader in (None, matrix.matrix)

@@ -6,7 +6,7 @@ total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the co
 
 import math
 from collections.abc import Sequence
-from functools import cache, lru_cache, partial
+from functools import cache, cached_property, lru_cache, partial
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -119,11 +119,14 @@ class Viewing:
             10_000.0,
         )
 
-    @property
+    @cached_property
     def pixels_per_degree(self) -> float:
         """Pixels in one degree of visual angle. [1/deg]"""
         return pixels_per_degree(distance_mm=self.distance_mm, pixel_pitch_mm=self.pixel_pitch_mm)
 
+
+USUAL_VIEWING = Viewing()
+"""Of a picture on a usual display."""
 
 _ROUNDING = 1e-13  # of the terms of a variance
 
@@ -272,7 +275,8 @@ def visual_noise(
     white_e = electrons_at(operating_point)
     if saturated(white_e, sensor, exposure).any():
         return math.nan
-    return float(noise_as_viewed(white_e, sensor, exposure, matrix.matrix, viewing or Viewing()))
+    viewed = viewing or USUAL_VIEWING
+    return float(noise_as_viewed(white_e, sensor, exposure, matrix.matrix, viewed))
 
 
 VISUAL_NOISE = "visual noise of an 18 % gray as viewed"

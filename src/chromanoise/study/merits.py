@@ -58,7 +58,7 @@ from chromanoise.sensor import Sensor, code_step_e
 from chromanoise.spectra import Scene, cie_1931, color_axes, colorchecker, light, photons_per_unit
 from chromanoise.study.analysis import Analysis, electrons_at, stages_at
 from chromanoise.study.color_matrices import MatrixFunction
-from chromanoise.study.color_noise import GRAY, PLANE, Viewing, noise_as_viewed
+from chromanoise.study.color_noise import GRAY, PLANE, USUAL_VIEWING, Viewing, noise_as_viewed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -625,7 +625,7 @@ def merits_of(
     >>> round(2**bits, 3)
     180.998
     """
-    viewed = viewing or Viewing()
+    viewed = viewing or USUAL_VIEWING
     return Merits(
         sensor=analysis.sensor.label,
         illuminant=analysis.scene.illuminant.name,

@@ -44,6 +44,7 @@ from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
 from chromanoise.study.color_noise import (
     GRAY,
     PLANE,
+    USUAL_VIEWING,
     NoiseByTwoMeasures,
     Viewing,
     noise_as_viewed,
@@ -63,6 +64,7 @@ _ANY_LUX = 1.0  # of what is scaled to each of the levels
 _COLORS = 3  # fewest independent channels from which X, Y and Z can be made
 _MOST_SUBSETS = 5  # channels of which all subsets are tried
 _ROUNDING = 1e-9  # of a color error, relative
+_STRIDE = 4  # of the matrices whose total error is computed first
 _PALE = 1.0  # mean chroma of a chart without colors
 _ERRORS = 17  # color errors at which the order is checked
 _PER_DECADE, _COARSE = 12, 4  # weights of the noise, at the own light level and at others
@@ -183,9 +185,12 @@ class TradeOff:
 
     def least_total_error(self) -> tuple[float, int]:
         """The least `total_error_as_viewed` of its matrices, and which has it. [Delta E*ab]"""
-        totals = total_error_as_viewed(self.point, self.matrices, self.viewing)
-        best = int(np.argmin(totals))
-        return float(totals[best]), best
+        at = np.arange(0, self.weights.size, _STRIDE)
+        for _ in range(2):  # a part of the matrices first, then the neighbors of the best
+            totals = total_error_as_viewed(self.point, self.matrices[at], self.viewing)
+            best = int(at[np.argmin(totals)])
+            at = np.arange(max(0, best - _STRIDE), min(self.weights.size, best + _STRIDE + 1))
+        return float(totals.min()), best
 
     def place(self, color_error: float) -> float | None:
         """Where the least noise with at most that color error is; ``None`` where no matrix has it.
@@ -546,7 +551,7 @@ def trade_off(
     InputError
         If there is no prior of that name.
     """
-    return _trade_off(point, prior, viewing or Viewing())
+    return _trade_off(point, prior, viewing or USUAL_VIEWING)
 
 
 @lru_cache(maxsize=16)  # by identity: verdict and chart of one answer ask for the same ones
@@ -700,7 +705,7 @@ def lost_colors(
         The training set of the noise-aware matrices.
     """
     colorless = _chart_of(point).colorless_error
-    own = float(total_error_as_viewed(point, matrix.matrix[None], Viewing())[0])
+    own = float(total_error_as_viewed(point, matrix.matrix[None], USUAL_VIEWING)[0])
     if not own >= colorless:
         return None
     trade = trade_off(point, prior=prior)
