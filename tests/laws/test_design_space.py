@@ -355,7 +355,7 @@ REFUSED = {
     ),
     "a channel that the base does not have": (
         {"channels": (Channel(name="R", base="R"),)},
-        {"subject": "channel of model-mono", "value": "R"},
+        {"subject": "R.base", "value": "R"},
     ),
     "a curve that the library does not have": (
         {"channels": (Channel(name="D", filter=Filter(model="dye", curves=("red",))),)},

@@ -308,18 +308,21 @@ def test_what_is_no_speed_is_refused(wrong):
 def test_sensors_without_a_place_are_refused():
     with refused_input(subject="model-mono"):
         cn.league("model-mono")
-    with refused_input(subject="sensors", value="nikon-d850"):
+    with refused_input(requirement="must not be repeated with the same settings"):
         cn.league("nikon-d850", "nikon-d850")
     with refused_input(subject="by"):
         cn.league(by="price")
 
 
+CURVES = "\n".join(
+    ["wavelength_nm,R,G,B"]
+    + [f"{nm},{0.4 * (nm > 590)},{0.4 * (500 < nm < 590)},{0.4 * (nm < 500)}" for nm in GRID_NM]
+)
+
+
 def test_a_file_with_the_name_of_a_camera_keeps_its_own_pixel(tmp_path):
-    rows = [
-        f"{nm},{0.4 * (nm > 590)},{0.4 * (500 < nm < 590)},{0.4 * (nm < 500)}" for nm in GRID_NM
-    ]
     path = tmp_path / "nikon-d850.csv"
-    path.write_text("\n".join(["wavelength_nm,R,G,B", *rows]))
+    path.write_text(CURVES)
     (one,) = cn.league(path, iso=6400, read_noise_e=3.0, full_well_e=2e4, pitch_um=4.0).sensors
     assert (one.camera, one.iso[0].read_noise_e) == ("", 3.0)
     assert one.iso[0].visual_noise > 0
@@ -371,6 +374,15 @@ def test_short_curves_are_those_that_end_in_zeros(tmp_path):
     for ranked in RANKED:
         short, long = (getattr(one, ranked.name) for one in entries)
         assert short == pytest.approx(long, rel=1e-9)
+
+
+def test_two_files_of_one_name_are_told_apart(tmp_path):
+    files = [tmp_path / folder / "camera.csv" for folder in ("a", "b")]
+    for file in files:
+        file.parent.mkdir()
+        file.write_text(CURVES)
+    found = cn.league(*files, iso=800).sensors
+    assert [one.name for one in found] == ["camera", "camera (2)"]
 
 
 def test_settings_without_a_sensor_are_refused():

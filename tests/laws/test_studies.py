@@ -711,6 +711,12 @@ def test_a_sensor_given_several_times_is_one_error():
     assert "4 times" in repeated.found
 
 
+def test_two_words_of_one_sensor_are_one_repetition():
+    words = ["a.csv", "./a.csv", "onyx-rgbw", "onyx_rgbw"]
+    found = duplicates(study_from_data({"sensors": [{"name": word} for word in words]}))
+    assert [one.setting for one in found] == ["sensors.1.name", "sensors.3.name"]
+
+
 def test_of_files_with_one_name_each_is_named(tmp_path):
     files = [tmp_path / folder / "s.csv" for folder in "ab"]
     for file, qe in zip(files, (0.4, 0.5), strict=True):

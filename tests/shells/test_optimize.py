@@ -177,6 +177,8 @@ def test_a_pipe_in_place_of_the_lock_is_not_waited_for(run, design):
         (("--budget", "3"), ["--budget", "3"]),
         (("--seed", "-1"), ["--seed", "-1"]),
         (("--scheduler", "nowhere"), ["nowhere"]),
+        (("--json", "design.toml/front.json"), ["design.toml", "folder"]),
+        (("--json", "."), ["--json", "folder"]),
     ],
 )
 def test_what_a_search_cannot_use_is_refused_and_leaves_no_folder(run, design, arguments, parts):

@@ -8,7 +8,7 @@ import click
 from chromanoise.base import InputError, write_whole
 from chromanoise.charts import PAPERS_IN, Paper, card_ending, card_of, shown
 from chromanoise.cli.options import command, matrix_option, out_option, with_settings
-from chromanoise.cli.output import refuse_taken_inputs, refuse_unwritable_file
+from chromanoise.cli.output import refuse_taken_inputs
 from chromanoise.study import study_of
 
 
@@ -40,6 +40,5 @@ def card(sensors: tuple[str, ...], matrix: str, out: Path, paper: Paper, **setti
         ending = card_ending(out)
     except InputError as error:
         raise error.called("--out") from None
-    refuse_unwritable_file(out)
     write_whole(out, card_of(shown(study), paper=paper).content(ending))
     click.echo(out)

@@ -123,15 +123,20 @@ def write_json(data: Mapping[str, Any], target: str) -> None:
 
 
 def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
-    """Raise an error before any computation if an output file is also an input file."""
+    """Raise an error before any computation if an output is an input, or cannot be written."""
     if target is None or str(target) == "-":
         return
-    goal = os.path.realpath(target)
+    goal, out = os.path.realpath(target), Path(target)
     for name in inputs:
         if Path(name).exists() and os.path.realpath(name) == goal:
             raise InputError(
                 option, "must not be a file that is read", value=str(target), remedy=_ANOTHER
             )
+    if out.is_dir():
+        found = f"{out} is a folder"
+        raise InputError(option, "must be a file", value=str(out), found=found, remedy=_ANOTHER)
+    if not out.exists() or out.is_file():
+        refuse_unwritable(out.parent)
 
 
 def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
@@ -165,20 +170,6 @@ def refuse_taken_inputs(
         refuse_inputs(target, option, *inputs)
         if option == "--table" and target is not None:
             table_writer(Path(target))
-
-
-def refuse_unwritable_file(out: Path) -> None:
-    """Raise an error before any computation if the file cannot be written."""
-    if out.is_dir():
-        raise InputError(
-            "--out",
-            "must be a file",
-            value=str(out),
-            found=f"{out} is a folder",
-            remedy="name a file",
-        )
-    if not out.exists() or out.is_file():
-        refuse_unwritable(out.parent)
 
 
 def superfluous(option: str, why: str, value: Any, *, setting: str = "") -> InputError:

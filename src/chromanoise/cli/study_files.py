@@ -25,7 +25,6 @@ from chromanoise.cli.output import (
     leave_if_failed,
     print_lines,
     refuse_inputs,
-    refuse_unwritable_file,
     write_outputs,
 )
 from chromanoise.cli.terminal_tables import print_table
@@ -190,7 +189,6 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
     """
     parsed = read_study(study, changes, change_label="--set")
     refuse_inputs(out, "--out", str(study), *file_digests(parsed))
-    refuse_unwritable_file(out)
     if figures is not None:
         refuse_unwritable(figures)
     source = click.get_current_context().get_parameter_source("out")

@@ -206,20 +206,32 @@ def with_distinct_names(points: Sequence[OperatingPoint]) -> list[OperatingPoint
 
     ``cam``, ``cam`` become ``cam`` and ``cam (2)``; a number that is a name already is skipped.
     """
-    taken, counts = set[str](), dict[str, int]()
-    later = Counter(one.sensor.name for one in points)
-    distinct: list[OperatingPoint] = []
-    for one in points:
-        own = name = one.sensor.name
+    names = distinct_names([one.sensor.name for one in points])
+    return [
+        one if name == one.sensor.name else replace(one, sensor=replace(one.sensor, name=name))
+        for one, name in zip(points, names, strict=True)
+    ]
+
+
+def distinct_names(names: Sequence[str]) -> list[str]:
+    """The names, with a number where one is repeated, as `with_distinct_names`."""
+    counts, later = dict[str, int](), Counter(names)
+    taken: dict[str, None] = {}  # in order
+    for own in names:
+        name = own
         later[own] -= 1
         count = counts.get(own, 1)
         while name in taken or (name != own and later[name]):
             count += 1
             name = f"{own} ({count})"
         counts[own] = count
-        taken.add(name)
-        distinct.append(one if name == own else replace(one, sensor=replace(one.sensor, name=name)))
-    return distinct
+        taken[name] = None
+    return list(taken)
+
+
+def _one_word(word: str) -> str:
+    """The same text for all words of one sensor: ``./a.csv`` is a.csv, ``onyx_rgbw`` onyx-rgbw."""
+    return str(file_of(word)) if is_file_word(word, "sensor") else catalog_word(word, "sensor")
 
 
 def duplicates(study: Study) -> list[InputError]:
@@ -227,12 +239,7 @@ def duplicates(study: Study) -> list[InputError]:
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
-    named = [
-        part
-        if is_file_word(part.name, "sensor")
-        else part.model_copy(update={"name": catalog_word(part.name, "sensor")})
-        for part in study.sensors
-    ]
+    named = [part.model_copy(update={"name": _one_word(part.name)}) for part in study.sensors]
     texts = [part.model_dump_json(exclude={"label"}) for part in named]
     count, seen, found = Counter(texts), Counter[str](), list[InputError]()
     for i, (part, text) in enumerate(zip(study.sensors, texts, strict=True)):

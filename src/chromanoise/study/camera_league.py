@@ -15,7 +15,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from chromanoise.base import VERSION, Array, Float, InputError, JsonKey, JsonKeys, check, dataclass
+from chromanoise.base import (
+    VERSION,
+    Array,
+    Float,
+    InputError,
+    JsonKey,
+    JsonKeys,
+    check,
+    dataclass,
+    refusal,
+)
 from chromanoise.color import ColorMatrix, Training, colored, training_color_error, white_preserving
 from chromanoise.io import Result, Table, axes_of, figures, table_of
 from chromanoise.metrics import (
@@ -38,7 +48,13 @@ from chromanoise.spectra import (
 )
 from chromanoise.spectra.tables import OWN_PEAKS, CameraFacts, camera_facts, packaged_table
 from chromanoise.study.analysis import electrons_at
-from chromanoise.study.assembly import NOTHING_GIVEN, Given, sensor_of
+from chromanoise.study.assembly import (
+    NOTHING_GIVEN,
+    Given,
+    distinct_names,
+    duplicates,
+    sensor_of,
+)
 from chromanoise.study.cameras import AT_THE_SENSOR, GRAY_LUX_S, camera_pixel
 from chromanoise.study.catalog import assumptions, is_assumed, sensor_named
 from chromanoise.study.color_noise import GRAY, USUAL_VIEWING, noise_as_viewed
@@ -476,6 +492,8 @@ def league_of_study(
         As `chromanoise.league`.
     """
     speeds, parts = iso_speeds(iso), () if study is None else study.sensors
+    if study is not None and (repeated := duplicates(study)):
+        raise refusal(repeated)
     sensors = [sensor_of(part, key=f"sensors.{i}", given=given) for i, part in enumerate(parts)]
     return league_of(sensors, speeds=speeds, by=by)
 
@@ -499,8 +517,9 @@ def league_of(
     InputError
         As `chromanoise.league`.
     """
-    cameras, own = _cameras(speeds), [entry_of(one, speeds) for one in sensors]
-    check.distinct("sensors", [one.name for one in own])
+    cameras, entries = _cameras(speeds), [entry_of(one, speeds) for one in sensors]
+    names = distinct_names([one.name for one in entries])
+    own = [replace(one, name=name) for one, name in zip(entries, names, strict=True)]
     order = check.one_of("by", by, [one.name for one in RANKED])
     return League(
         speeds=speeds,

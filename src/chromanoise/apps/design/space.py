@@ -767,7 +767,7 @@ def _refuse_channels(channels: Sequence[Channel], base: Sensor) -> None:
     check.distinct("channels", [channel.name for channel in channels])
     for channel in channels:
         if channel.base is not None:
-            check.among(f"channel of {base.name}", channel.base, base.names)
+            check.among(f"{channel.name}.base", channel.base, base.names)
 
 
 def _resolved(
