@@ -150,15 +150,16 @@ def _believed(
         variance = np.maximum(variance, LEAST_VARIANCE * light * light) + LEAST_E2
         change = coarse[:, rows] - own[:, rows].astype(np.float64)
         apart = (change * change / variance).mean(axis=0)
-        gate = _NARROW + (_WIDE - _NARROW) * (1.0 - own_active[rows])
-        out[:, rows] = change / (1 + apart / gate**2)
+        gate = _NARROW + (_WIDE - _NARROW) * (1.0 - own_active[rows].astype(np.float64))
+        out[:, rows] = np.float32(1 / (1 + apart / gate**2)) * np.float32(change)
     return out
 
 
 def _add_enlarged(fine: Float32[Array, "p h w"], change: Float32[Array, "p h2 w2"]) -> None:
     """Add the change of the coarse level, bilinear between its pixels."""
     padded = np.pad(change, ((0, 0), (1, 1), (1, 1)), mode="edge")
-    near, beside, far = (np.float32(one / 16) for one in (9, 3, 1))
+    # rounded to float32 as a processor with fused multiplication and addition does, on any
+    near, beside, far = np.float64(9 / 16), np.float32(3 / 16), np.float64(1 / 16)
     for y in range(0, change.shape[1], _ROWS):
         for lower in (0, 1):
             rows = fine[:, 2 * y + lower : 2 * (y + _ROWS) : 2]
@@ -167,8 +168,9 @@ def _add_enlarged(fine: Float32[Array, "p h w"], change: Float32[Array, "p h2 w2
                 out = rows[..., right::2]
                 width = out.shape[2]
                 own, other = slice(1, 1 + width), slice(2 * right, 2 * right + width)
-                change_beside = there[..., own] + here[..., other]
-                out += near * here[..., own] + beside * change_beside + far * there[..., other]
+                change_beside = beside * (there[..., own] + here[..., other])
+                change_near = np.float32(near * here[..., own] + change_beside)
+                out += np.float32(far * there[..., other] + change_near)
 
 
 def _share_of_halved(share: Float[Array, " n"]) -> Float[Array, " n2"]:
