@@ -597,7 +597,7 @@ def read_noise_sum(
     gain = above_zero("gain_dn_per_e", "DN/e-", gain_dn_per_e)
     noise = above_zero("read_noise_dn", "DN", read_noise_dn)
     check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
-    if np.unique(gain).size < 2:
+    if len({*gain.tolist()}) < 2:
         raise InputError("gain_dn_per_e", "must have two different gains", value=gain.tolist())
     from scipy.optimize import nnls
 

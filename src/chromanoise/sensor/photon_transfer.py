@@ -261,7 +261,7 @@ def _curves(levels: Levels, table: PhotonTransfer, high_x: float) -> _Curves:
     if line is None:
         raise _undetermined(table.source)
     bent, z = None, None
-    if np.unique(levels.x).size > slope + 2:
+    if len({*levels.x.tolist()}) > slope + 2:
         bent = weighted_fit(levels, bend=True)
     if bent is not None:
         curvature, error = float(bent.values[-1]), float(bent.errors[-1])

@@ -271,7 +271,7 @@ class Darks:
         measurement of the shortest time, or the first one, and no slope.
         """
         n = self.mean_dn.size
-        if self.time_ms is None or np.unique(self.time_ms).size < 3:
+        if self.time_ms is None or len({*self.time_ms.tolist()}) < 3:
             return self.at_shortest_time(), None
         intercept, slope = pinv(
             "the dark rows of a photon transfer", np.stack([np.ones(n), self.time_ms], axis=1)

@@ -53,7 +53,7 @@ def linearity(
     """
     top = float(signal_dn.max()) / _HIGHEST if saturation_dn is None else saturation_dn
     used = (signal_dn >= _LOWEST * top) & (signal_dn <= _HIGHEST * top * (1 + 1e-9))
-    if np.unique(light[used]).size < 3:
+    if len({*light[used].tolist()}) < 3:
         return None
     weight, at = 1 / signal_dn[used] ** 2, light[used]
     center = (weight @ at) / weight.sum()
@@ -289,9 +289,9 @@ def _black_level(own: PlaneLights, fit: TransferFit, dsnu_dn: float) -> float | 
         return None
     times = np.array([level.time_ms for level in own.lights.darks.values()], dtype=float)
     weights = np.full(times.size, 1 / times.size)
-    if np.isfinite(times).all() and np.unique(times).size > 1:
+    if np.isfinite(times).all() and len({*times.tolist()}) > 1:
         weights = (times == times.min()) / (times == times.min()).sum()
-        if np.unique(times).size > 2:
+        if len({*times.tolist()}) > 2:
             away = times - times.mean()
             weights = 1 / times.size - times.mean() * away / float(away @ away)
     noise_dn2 = min(one.variance_dn2 for one in own.darks) + dsnu_dn**2
@@ -416,7 +416,7 @@ def plane_curves(plane: PlaneNoise) -> PlaneCurves | None:
     unit: Literal["photons", "ms", ""] = ""
     if np.isfinite(photons).all():
         light, unit = photons, "photons"
-    elif np.isfinite(times).all() and np.unique(times).size > 2:
+    elif np.isfinite(times).all() and len({*times.tolist()}) > 2:
         light, unit = times, "ms"
     top = None if plane.saturation_dn is None else plane.saturation_dn - black
     straight = None if light is None else linearity(signal, light, top)
