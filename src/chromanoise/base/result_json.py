@@ -115,6 +115,8 @@ def plain(value: Any, *keys: JsonKey | str) -> Any:
 
 
 def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
+    if type(value) is float:  # most values
+        return defined(value)
     if isinstance(value, np.ndarray | np.generic):
         if value.dtype.kind in "biu" or (value.dtype.kind == "f" and np.isfinite(value).all()):
             return value.tolist()
@@ -173,13 +175,16 @@ def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
         if isinstance(value, dict):
             parts = [f"{quoted(str(key))}: {text(one, inner)}" for key, one in value.items()]
             return f"{{{inner}{f',{inner}'.join(parts)}{pad}}}"
-        if any(isinstance(one, dict | list | tuple) for one in value):
+        if not _NESTED.isdisjoint(map(type, value)):
             return f"[{inner}{f',{inner}'.join(text(one, inner) for one in value)}{pad}]"
         if inner not in of_list:
             of_list[inner] = encoder(separators=(f",{inner}", ": ")).encode
         return f"[{inner}{of_list[inner](value)[1:-1]}{pad}]"
 
     return text(data, "\n") + "\n"
+
+
+_NESTED = {dict, list, tuple}
 
 
 def keys_of(kind: type) -> JsonKeys:
@@ -199,7 +204,10 @@ def _object(owners: tuple[Any, ...], keys: JsonKeys) -> dict[str, Any]:
             written = _rows((*owners, value), key.keys)
         else:
             written = _written(_named(value, key.by, owners), key.keys, owners)
-        found |= {key.name: written} if key.name else written
+        if key.name:
+            found[key.name] = written
+        else:
+            found |= written
     return found
 
 
@@ -233,9 +241,10 @@ def _at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
         return path(owners[-1])
     if path == ".":
         return owners[-1]
-    steps = path.split(".")
-    having = (one for one in reversed(owners) if _has(type(one), steps[0]))
-    value = next(having, owners[-1])
+    steps = _steps(path)
+    kinds: list[Any] = [type(one) for one in owners]
+    having = [one for one, kind in zip(owners, kinds, strict=True) if _has(kind, steps[0])]
+    value = having[-1] if having else owners[-1]
     for step in steps:
         if value is None:
             return None
@@ -243,6 +252,12 @@ def _at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
     return value
 
 
+@cache
+def _steps(path: str) -> tuple[str, ...]:
+    return tuple(path.split("."))
+
+
+@cache
 def _has(kind: Any, name: str) -> bool:
     """Whether instances of a class have a field, a property or a constant of this name."""
     return name in getattr(kind, "__dataclass_fields__", ()) or hasattr(kind, name)

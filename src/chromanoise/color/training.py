@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, dataclass, eigh
+from chromanoise.base import Array, Float, InputError, check, dataclass, eigh, kept
 from chromanoise.noise import Exposure, expected_electrons, mean_noise_covariance
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
@@ -304,10 +305,9 @@ def training_response(
         If the set and the sensor have different grids, or a channel collects too few electrons
         from the lamp's light.
     """
-    scene, grid = _scene(training, level_lux), training.illuminant.grid
-    white = flat_field(training.illuminant, level_lux=level_lux)
-    electrons, share = expected_electrons(scene, sensor, exposure), shares(training)
-    white_e = expected_electrons(white, sensor, exposure)
+    seen = _seen(training, level_lux)
+    electrons = expected_electrons(seen.scene, sensor, exposure)
+    white_e = expected_electrons(seen.white, sensor, exposure)
     for name, mean_e in zip(sensor.names, white_e, strict=True):
         if 0 < mean_e < _FEWEST_E:
             raise InputError(
@@ -320,16 +320,34 @@ def training_response(
                     "omit the channel",
                 ),
             )
-    axes = color_axes(grid, "energy", training.observer)
     return TrainingResponse(
-        share=share,
+        share=seen.share,
         electrons=electrons,
-        xyz=light(scene, "energy") @ axes,
+        xyz=seen.xyz,
         white_e=white_e,
-        white_xyz=light(white, "energy") @ axes,
-        noise_e2=mean_noise_covariance(electrons, share, sensor, exposure),
+        white_xyz=seen.white_xyz,
+        noise_e2=mean_noise_covariance(electrons, seen.share, sensor, exposure),
         observer=training.observer,
     )
+
+
+class _Seen(NamedTuple):
+    """A training set and its white at a light level, and their X, Y, Z. [lx]"""
+
+    scene: Scene
+    white: Scene
+    share: Float[Array, " k"]
+    xyz: Float[Array, "k 3"]
+    white_xyz: Float[Array, " 3"]
+
+
+@kept  # the same for all sensors of a comparison
+def _seen(training: Training, level_lux: float) -> _Seen:
+    scene = _scene(training, level_lux)
+    white = flat_field(training.illuminant, level_lux=level_lux)
+    axes = color_axes(training.illuminant.grid, "energy", training.observer)
+    xyz, white_xyz = (check.frozen(light(one, "energy") @ axes) for one in (scene, white))
+    return _Seen(scene, white, check.frozen(shares(training)), xyz, white_xyz)
 
 
 def _scene(training: Training, level_lux: float) -> Scene:

@@ -167,9 +167,7 @@ def _with_wavelengths_first(
             continue
         below = _numbers_below(rows[i + 1 :], k, comma)
         drop = [
-            j
-            for j, name in enumerate(row.cells)
-            if j != k and _is_no_curve(name, [cells[j : j + 1] for cells in below], comma)
+            j for j, name in enumerate(row.cells) if j != k and _is_no_curve(name, below, j, comma)
         ]
         if any(j not in drop for j in range(k)) or len(drop) == len(row.cells) - 1 or not drop:
             return rows, ()
@@ -193,14 +191,17 @@ def _numbers_below(rows: Sequence[Row], k: int, comma: bool) -> list[tuple[str, 
     return found if len(found) > 1 else []
 
 
-def _is_no_curve(name: str, cells: Sequence[tuple[str, ...]], comma: bool) -> bool:
+def _is_no_curve(name: str, rows: Sequence[tuple[str, ...]], k: int, comma: bool) -> bool:
+    """Whether column ``k`` with this heading holds row numbers, another axis or words."""
     bare = name_and_unit(name)[0]
     if _COUNTS_ROWS.fullmatch(bare) or _OTHER_AXIS.fullmatch(bare):
         return True
-    texts = [text.strip() for one in cells for text in one if text.strip()]
-    if {text.lower() for text in texts} == {"nan"}:
-        return False  # a curve without any value, which is refused where it is read
-    return not any(is_number(text, decimal_comma=comma) for text in texts)
+    texts = [cells[k] for cells in rows if len(cells) > k]
+    if any(is_number(text, decimal_comma=comma) for text in texts):
+        return False
+    return {text.strip().lower() for text in texts} - {""} != {
+        "nan"
+    }  # else a curve without any value, refused where it is read
 
 
 def _without_words_after(
