@@ -45,6 +45,11 @@ def has_shape(annotation):
     )
 
 
+def is_number(annotation):
+    """Whether a result is a number, or may be one."""
+    return annotation in (float, int, bool) or any(map(is_number, get_args(annotation)))
+
+
 CALLS = 5
 """Calls of each function that are checked in each test: 20 would take a tenth longer."""
 tests = count()
@@ -85,10 +90,11 @@ def checker_of(function):
 
     The sizes of named axes (``n`` in ``"n p"``) are those of one call here as in jaxtyping.
 
-    A function without shapes stays as it is: mypy has checked its types, and a checker of each
-    would take a fifth of the suite's time.
+    A function without arrays and numbers stays as it is: mypy has checked its types, where numpy
+    tells them, and a checker of each would take a fifth of the suite's time.
     """
-    if not any(map(has_shape, inspect.get_annotations(function).values())):
+    known = inspect.get_annotations(function)
+    if not any(map(has_shape, known.values())) and not is_number(known.get("return")):
         return function
     hints = function.__annotations__
     unknown = {  # types that only type checkers import

@@ -1,4 +1,4 @@
-"""In tests, calls with arrays are checked: types, shapes, axes of one name within one call."""
+"""In tests, calls with arrays and numbers are checked: types, shapes, axes of one name."""
 
 from dataclasses import dataclass
 
@@ -35,6 +35,11 @@ def scaled(one: Float[Array, "n"], by: float) -> int:
 
 
 @checked
+def half(one: int) -> int | None:
+    return one / 2
+
+
+@checked
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
     one: Float[Array, "n"]
@@ -54,6 +59,7 @@ def ones(*shape):
         lambda: cut(ones(3)),  # the result
         lambda: scaled(ones(3), "a"),
         lambda: scaled(ones(3), 1.5),  # the result
+        lambda: half(3),
         lambda: Pair(one=ones(3), other=(ones(2),)),
         # of the library, which the import hook has wrapped
         lambda: checked(noise.raw_covariance.__wrapped__)(ones(3).tolist(), read_noise_e=1.0),

@@ -393,7 +393,8 @@ def league(
     Raises
     ------
     InputError
-        If a sensor cannot be read or has fewer than 3 channels, or a speed is out of range.
+        If a sensor cannot be read, is repeated or has fewer than 3 channels, or a speed is out of
+        range.
 
     Notes
     -----

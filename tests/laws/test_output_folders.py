@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from functools import partial
 from pathlib import Path
 
@@ -18,8 +18,10 @@ from chromanoise.base.files import (
     OWN_FILES,
     claimed_folder,
     refuse_unwritable,
+    refuse_unwritable_file,
     whole_folder,
     write_kept,
+    write_whole,
 )
 from outcomes import refused_input
 from processes import printed
@@ -450,3 +452,23 @@ def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_
 def test_a_file_system_without_new_files_is_refused_at_once():
     with pytest.raises((InputError, OSError)), whole_folder(Path("/proc/no-such-folder"), "test"):
         raise AssertionError("a folder was made")
+
+
+def places(folder):
+    """Paths to write to, and whether that is possible."""
+    (folder / "file").write_text("mine")
+    (folder / "link").symlink_to(folder / "file")
+    (folder / "later").symlink_to(folder / "new" / "file")
+    (folder / "loop").symlink_to(folder / "loop")
+    possible = {"file": True, "link": True, "later": True, "a/b": True, "/dev/null": True}
+    return possible | {"loop": False, ".": False, "file/x": False}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has neither such links nor devices")
+def test_before_and_when_it_is_written_the_same_files_are_refused(tmp_path):
+    for place, possible in places(tmp_path).items():
+        with claimed_folder(tmp_path, "another run"):
+            for act in (refuse_unwritable_file, lambda path: write_whole(path, b"new")):
+                with nullcontext() if possible else refused_input():
+                    act(tmp_path / place)
+    assert (tmp_path / "new" / "file").read_bytes() == b"new"

@@ -26,6 +26,8 @@ def faults(value, schema, whole, place="$"):
     if "$ref" in schema:
         return faults(value, whole["$defs"][schema["$ref"].rpartition("/")[2]], whole, place)
     found = []
+    if not schema and isinstance(value, float):
+        found.append(f"{place}: the number {value} has no type")
     if "anyOf" in schema and all(faults(value, one, whole) for one in schema["anyOf"]):
         found.append(f"{place}: none of {schema['anyOf']}")
     if "enum" in schema and value not in schema["enum"]:

@@ -304,7 +304,7 @@ CASES = [
     case(f"{SIMULATE} -o made", "summary.json"),
     case("reproduce --json tables.json --out taken/deep", "taken/deep"),
     *(
-        case(f"{command} onyx-rgbw --table a.csv --json taken/x.json", subject="taken/x.json")
+        case(f"{command} onyx-rgbw --table a.csv --json taken/x.json", subject="taken")
         for command in ("analyze", "compare", "matrix")
     ),
     *(

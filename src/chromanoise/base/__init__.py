@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         csv_text,
         digest_of,
         refuse_unwritable,
+        refuse_unwritable_file,
         renamed,
         text_of_cell,
         text_of_comment,

@@ -334,6 +334,26 @@ def refuse_unwritable(folder: Path) -> None:
         If ``folder`` is a file, it or its parent folder may not be written, or another process is
         writing into it.
     """
+    _refuse_folder(folder)
+    goal = true_path(folder)
+    for place in (goal, goal.parent):
+        _refuse_held(_lock_file(place, goal), folder)
+
+
+def refuse_unwritable_file(path: Path) -> None:
+    """Raise an error before a long computation if `write_whole` could not write the file.
+
+    Raises
+    ------
+    InputError
+        If ``path`` is a folder, or it or its folder may not be written.
+    """
+    goal = _goal_of(path)
+    if goal is not None:
+        _refuse_folder(goal.parent if path.is_symlink() else path.parent)
+
+
+def _refuse_folder(folder: Path) -> None:
     if os.path.lexists(folder) and not folder.is_dir():
         raise InputError(
             str(folder),
@@ -356,9 +376,6 @@ def refuse_unwritable(folder: Path) -> None:
             f"cannot be written (no permission in {there})",
             remedy="name another folder",
         )
-    goal = true_path(folder)
-    for place in (goal, goal.parent):
-        _refuse_held(_lock_file(place, goal), folder)
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -412,20 +429,14 @@ def write_all_whole(contents: Mapping[Path, bytes]) -> None:
 @contextmanager
 def _prepared(path: Path, content: bytes) -> Iterator[Callable[[], object]]:
     """The function that puts the content in place, after it was written beside the file."""
-    if path.is_dir():
-        raise InputError(str(path), "must be a file", found="is a folder", remedy="name a file")
-    if path.exists() and not path.is_file():
+    goal = _goal_of(path)
+    if goal is None:
         yield lambda: path.write_bytes(content)
         return
     scratch = None
     try:
         with _write_errors(path):
-            goal = true_path(path)
-            if goal.is_symlink():  # links in a loop have no target
-                raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
             goal.parent.mkdir(parents=True, exist_ok=True)
-            if goal.exists() and not os.access(goal, os.W_OK):
-                raise OSError(errno.EACCES, os.strerror(errno.EACCES))
             scratch = goal.with_name(f".{goal.name[:40]}-{secrets.token_hex(4)}")
             mode = stat.S_IMODE(goal.stat().st_mode) if goal.exists() else 0o666  # but the umask
             with os.fdopen(os.open(scratch, _NEW_FILE, mode), "wb") as part:
@@ -435,6 +446,21 @@ def _prepared(path: Path, content: bytes) -> Iterator[Callable[[], object]]:
     finally:
         if scratch is not None:
             scratch.unlink(missing_ok=True)
+
+
+def _goal_of(path: Path) -> Path | None:
+    """The file to write, with links followed; ``None`` for a pipe or a device."""
+    if path.is_dir():
+        raise InputError(str(path), "must be a file", found="is a folder", remedy="name a file")
+    if path.exists() and not path.is_file():
+        return None
+    with _write_errors(path):
+        goal = true_path(path)
+        if goal.is_symlink():  # links in a loop have no target
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+        if goal.exists() and not os.access(goal, os.W_OK):
+            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+    return goal
 
 
 def _keep_mode(old: Path, new: Path) -> None:

@@ -18,7 +18,7 @@ import reprlib
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, fields, is_dataclass
-from functools import cache, partial, reduce
+from functools import cache, cached_property, partial, reduce
 from json.encoder import encode_basestring, encode_basestring_ascii
 from operator import or_
 from types import NoneType, UnionType
@@ -432,11 +432,18 @@ def _kind_at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
 def _kind_of(member: Any, owner: Any = None, name: str = "") -> Any:
     """The type of a field, of a property, or of the result of a function."""
     types = {one.name: one.type for one in fields(owner)} if is_dataclass(owner) else {}
-    function = member.fget if isinstance(member, property) else member
+    function = _getter(member) or member
     kind = types.get(name, getattr(function, "__annotations__", {}).get("return", Any))
     if isinstance(kind, str):  # a class that is defined below, or imported for type checkers only
         return vars(sys.modules[(owner or function).__module__]).get(kind, Any)
     return kind
+
+
+def _getter(member: Any) -> Any:
+    """The function of a property; ``None`` for other members."""
+    if isinstance(member, cached_property):
+        return member.func
+    return member.fget if isinstance(member, property) else None
 
 
 def _text_of(key: JsonKey, owners: tuple[Any, ...]) -> str:
@@ -452,7 +459,7 @@ def _text_of(key: JsonKey, owners: tuple[Any, ...]) -> str:
         owner = _unless_none(_kind_at(before, owners)) if before else near
         member = getattr(owner, last, None)
         text = attribute_texts(owner).get(last, "") if isinstance(owner, type) else ""
-        text = text or (_first_paragraph(member.fget) if isinstance(member, property) else "")
+        text = text or _first_paragraph(_getter(member))
     text = re.sub(r"``None``|\bNaN\b|\binf\b", "null", text)  # as JSON has them
     return text if key.factor is None else text.replace("[s]", "[ms]")
 

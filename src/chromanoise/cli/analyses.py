@@ -1,7 +1,6 @@
 """The commands ``chromanoise analyze``, ``compare`` and ``matrix``.
 
-Other functions here print the messages and the
-progress of a study.
+Functions here also print the messages and the progress of a study.
 """
 
 from collections.abc import Callable, Sequence

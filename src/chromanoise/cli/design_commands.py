@@ -31,7 +31,7 @@ from chromanoise.cli.output import (
     duration,
     json_option,
     print_lines,
-    refuse_inputs,
+    refuse_output,
     refuse_taken_inputs,
     write_outputs,
 )
@@ -85,7 +85,7 @@ def optimize(
     )
 
     document = with_effort(read_design(design), budget=budget, seed=seed)
-    refuse_inputs(json_target, "--json", str(design))
+    refuse_output(json_target, "--json", str(design))
     folder = out or Path("out") / design.stem
     cluster: Any = nullcontext() if scheduler is None else scheduler_at(scheduler)
     with cluster as evaluate_on:

@@ -10,7 +10,7 @@ import numpy as np
 
 from chromanoise.base import InputError, Setting, among, write_whole
 from chromanoise.cli.options import PATH, answering, answers_of, command, of_one_file
-from chromanoise.cli.output import options_text, refuse_inputs, superfluous, write_json
+from chromanoise.cli.output import options_text, refuse_output, superfluous, write_json
 from chromanoise.io import read_curves, sensor_data, sensor_json, spectra_json
 from chromanoise.io.spectra import (
     ParsedSpectra,
@@ -77,7 +77,7 @@ def convert(source: str, target: Path, form: str, created: str | None, **options
     if demand:
         found = f"ends in {ending!r}" if ending else "has no ending"
         raise InputError(str(target), demand, value=ending, found=found)
-    refuse_inputs(target, "OUT", source)
+    refuse_output(target, "OUT", source)
     kind = form if form == "rawtoaces" else ending
     day = _day(created)
     read = _read(source, options)
@@ -242,7 +242,7 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     ENVI libraries .sli with .hdr, tables of .fits, .xlsx, and .csv and .json of chromanoise
     convert.
     """
-    refuse_inputs(json_target, "--json", str(file))
+    refuse_output(json_target, "--json", str(file))
     if not file.exists():
         _refuse_name(str(file))
     own = own_sensor_of(file) if file.is_file() else None

@@ -21,7 +21,7 @@ from chromanoise.base import (
     StudyError,
     errors_in,
     json_text,
-    refuse_unwritable,
+    refuse_unwritable_file,
     setting_of_study,
     write_all_whole,
 )
@@ -122,7 +122,7 @@ def write_json(data: Mapping[str, Any], target: str) -> None:
     write_outputs(as_json(target, lambda: data))
 
 
-def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
+def refuse_output(target: str | Path | None, option: str, *inputs: str) -> None:
     """Raise an error before any computation if an output is an input, or cannot be written."""
     if target is None or str(target) == "-":
         return
@@ -135,8 +135,7 @@ def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
     if out.is_dir():
         found = f"{out} is a folder"
         raise InputError(option, "must be a file", value=str(out), found=found, remedy=_ANOTHER)
-    if not out.exists() or out.is_file():
-        refuse_unwritable(out.parent)
+    refuse_unwritable_file(out)
 
 
 def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
@@ -155,7 +154,7 @@ def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
 def refuse_taken_inputs(
     targets: Mapping[str, str | Path | None], sensors: Sequence[str], options: Mapping[str, Any]
 ) -> None:
-    """Check before any computation that no output replaces an input, and that its format exists."""
+    """Check before any computation that each output can be written, and replaces no input."""
     inputs = [
         *sensors,
         *(options.get("channel_filters") or {}).values(),
@@ -167,7 +166,7 @@ def refuse_taken_inputs(
     ]
     refuse_same(targets)
     for option, target in targets.items():
-        refuse_inputs(target, option, *inputs)
+        refuse_output(target, option, *inputs)
         if option == "--table" and target is not None:
             table_writer(Path(target))
 

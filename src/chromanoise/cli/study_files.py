@@ -24,7 +24,7 @@ from chromanoise.cli.output import (
     json_option,
     leave_if_failed,
     print_lines,
-    refuse_inputs,
+    refuse_output,
     write_outputs,
 )
 from chromanoise.cli.terminal_tables import print_table
@@ -123,7 +123,7 @@ def diff(first: Path, second: Path, json_target: str | None) -> None:
     settings and results are equal (numbers to a relative 1e-9; version and machine may differ),
     and 1 if not. The 20 largest differences are printed; --json has all.
     """
-    refuse_inputs(json_target, "--json", str(first), str(second))
+    refuse_output(json_target, "--json", str(first), str(second))
     found = differences_of(first, second)
     write_outputs(as_json(json_target, found.to_dict))
     if json_target != "-":
@@ -188,7 +188,7 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
     The file needs no network and no other files.
     """
     parsed = read_study(study, changes, change_label="--set")
-    refuse_inputs(out, "--out", str(study), *file_digests(parsed))
+    refuse_output(out, "--out", str(study), *file_digests(parsed))
     if figures is not None:
         refuse_unwritable(figures)
     source = click.get_current_context().get_parameter_source("out")

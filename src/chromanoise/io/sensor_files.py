@@ -4,7 +4,7 @@ Spectra are also written in this JSON.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, cast, get_args
 
@@ -201,7 +201,8 @@ def read_sensor(
     """
     parsed = read_curves(path, answers=answers)
     named = (path.source, path.source) if isinstance(path, Found) else _names(Path(path))
-    return _sensor_of(parsed, named, grid, pixel, answers)
+    sensor = _sensor_of(parsed, named, grid, pixel, answers)
+    return sensor if sensor.pixel is pixel else replace(sensor, pixel=pixel)
 
 
 @kept  # a study is checked first, then computed: both read its files

@@ -235,14 +235,14 @@ def interpolation_matrix(
                 ),
             )
         notes = (f"{what}: {beyond} beyond {covers}",)
-    matrix = _held_interpolation(known.tobytes(), grid)
+    held = known.size <= _FEW
+    matrix = (_held_interpolation if held else _interpolation)(known.tobytes(), grid)
     if notes and beyond == "zero":
         matrix = np.where(short[:, None], 0.0, matrix)
     return matrix, notes
 
 
-@lru_cache(maxsize=16)  # files of many sensors have the same wavelengths
-def _held_interpolation(wavelength_nm: bytes, grid: Grid) -> Float[Array, "n m"]:
+def _interpolation(wavelength_nm: bytes, grid: Grid) -> Float[Array, "n m"]:
     known, wanted = np.frombuffer(wavelength_nm), grid.wavelength_nm
     at = np.clip(wanted, known[0], known[-1])
     right = np.clip(np.searchsorted(known, at, side="left"), 1, known.size - 1)
@@ -251,7 +251,12 @@ def _held_interpolation(wavelength_nm: bytes, grid: Grid) -> Float[Array, "n m"]
     rows = np.arange(wanted.size)
     matrix[rows, right - 1] = 1.0 - share
     matrix[rows, right] += share
-    return check.frozen(matrix)
+    matrix.flags.writeable = False
+    return matrix
+
+
+_held_interpolation = lru_cache(maxsize=16)(_interpolation)  # many files have the same wavelengths
+_FEW = 500  # wavelengths of a table whose interpolation is held
 
 
 def is_extrapolation_note(note: str) -> bool:

@@ -246,7 +246,7 @@ def duplicates(study: Study) -> list[InputError]:
         seen[text] += 1
         if seen[text] != 2:
             continue
-        word, more = shown_word(part.name), count[text] - 1
+        word, more = shown_word(_one_word(part.name)), count[text] - 1
         found.append(
             InputError(
                 "name",

@@ -186,7 +186,7 @@ class LeagueEntry:
     Attributes
     ----------
     name
-        The name in the catalog, or the label of a sensor of one's own.
+        The name in the catalog, or of a sensor of one's own, with a number where it is repeated.
     camera
         Maker and model; empty for a sensor of one's own.
     has_own_peaks

@@ -159,7 +159,7 @@ def _add_enlarged(fine: Float32[Array, "p h w"], change: Float32[Array, "p h2 w2
     """Add the change of the coarse level, bilinear between its pixels."""
     padded = np.pad(change, ((0, 0), (1, 1), (1, 1)), mode="edge")
     # rounded to float32 as a processor with fused multiplication and addition does, on any
-    near, beside, far = np.float64(9 / 16), np.float32(3 / 16), np.float64(1 / 16)
+    near, beside, far = 9 / 16, np.float32(3 / 16), 1 / 16
     for y in range(0, change.shape[1], _ROWS):
         for lower in (0, 1):
             rows = fine[:, 2 * y + lower : 2 * (y + _ROWS) : 2]
@@ -169,8 +169,9 @@ def _add_enlarged(fine: Float32[Array, "p h w"], change: Float32[Array, "p h2 w2
                 width = out.shape[2]
                 own, other = slice(1, 1 + width), slice(2 * right, 2 * right + width)
                 change_beside = beside * (there[..., own] + here[..., other])
-                change_near = np.float32(near * here[..., own] + change_beside)
-                out += np.float32(far * there[..., other] + change_near)
+                nearer = np.multiply(near, here[..., own], dtype=np.float64) + change_beside
+                farther = np.multiply(far, there[..., other], dtype=np.float64)
+                out += np.float32(farther + np.float32(nearer))
 
 
 def _share_of_halved(share: Float[Array, " n"]) -> Float[Array, " n2"]:

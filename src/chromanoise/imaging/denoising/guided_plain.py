@@ -1,4 +1,4 @@
-"""`guided_kernels` in plain numpy, where nothing can be compiled.
+"""`guided_kernels` in plain numpy, for where nothing can be compiled, and what both need.
 
 The results differ by rounding alone. Sums over windows are differences of sums from the edge.
 """

@@ -409,7 +409,7 @@ def gaps_nm(wavelength_nm: Float[Array, " m"]) -> tuple[tuple[float, float], ...
     ((430.0, 500.0),)
     """
     steps = np.diff(wavelength_nm)
-    if steps.max() <= _WIDE * steps.min():  # most tables
+    if not steps.size or steps.max() <= _WIDE * steps.min():  # most tables
         return ()
     wide = np.flatnonzero(steps > max(_WIDE * float(np.median(steps)), _WIDE_NM))
     return tuple((float(wavelength_nm[i]), float(wavelength_nm[i + 1])) for i in wide)
