@@ -3,6 +3,7 @@
 import re
 import time
 import zipfile
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -301,6 +302,17 @@ def test_relative_curves_make_a_sensor_only_with_a_peak(file):
     half = read_sensor(path, GRID, PAPER_PIXEL, answers=Answers(peak_qe=0.5))
     assert half.qe[-1] == pytest.approx([0.1, 0.5])
     assert any("highest QE of 0.5" in note for note in half.notes)
+
+
+def test_a_sensor_is_made_once_for_each_content_of_its_file_and_has_the_given_pixel(tmp_path):
+    path = tmp_path / "cam.csv"
+    path.write_text("wavelength_nm,A\n400,0.4\n700,0.4\n")
+    one = read_sensor(path, GRID, PAPER_PIXEL)
+    assert read_sensor(path, GRID, PAPER_PIXEL) is one
+    whole = replace(PAPER_PIXEL, pitch_um=int(PAPER_PIXEL.pitch_um))  # equal, but another object
+    assert read_sensor(path, GRID, whole).pixel is whole
+    path.write_text(path.read_text().replace("0.4", "0.5"))
+    assert (read_sensor(path, GRID, PAPER_PIXEL).qe == 0.5).all()
 
 
 def test_a_sensor_says_what_was_taken_for_granted_and_what_looks_wrong(file):
