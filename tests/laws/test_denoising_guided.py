@@ -5,11 +5,11 @@ from functools import cache
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from scipy.ndimage import uniform_filter
+from scipy.ndimage import map_coordinates, uniform_filter
 
 from chromanoise.base.rng import stream
 from chromanoise.color import kernel_matrix
-from chromanoise.imaging.denoising import denoised_planes
+from chromanoise.imaging.denoising import denoised_planes, guided
 from chromanoise.imaging.denoising.guided import GUIDED, denoise
 from chromanoise.imaging.denoising.guided_kernels import add_estimates
 from chromanoise.imaging.shared_rows import Work
@@ -46,6 +46,33 @@ def one_size(planes, radius):
     shares = np.ones(height), np.ones(width)
     add_estimates(values, noise, *shares, radius, EDGE, sums, weight, active)
     return np.moveaxis(sums / weight, 0, 2)
+
+
+@pytest.mark.parametrize("shape", [(2, 64, 70), (3, 33, 41), (1, 1, 5), (2, 6, 1)])
+def test_a_level_is_halved_to_means_and_added_back_by_linear_interpolation(shape):
+    fine = stream(23, *shape).normal(size=shape).astype(np.float32)
+    padded = np.pad(fine, [(0, 0), *((0, size % 2) for size in shape[1:])], mode="edge")
+    p, h, w = padded.shape
+    half = padded.reshape(p, h // 2, 2, w // 2, 2).mean(axis=(2, 4), dtype=float)
+    assert guided._halved(fine) == pytest.approx(half, abs=1e-6)
+    at = np.meshgrid(*((np.arange(size) - 0.5) / 2 for size in shape[1:]), indexing="ij")
+    between = [map_coordinates(plane, at, order=1, mode="nearest") for plane in half]
+    added = fine.copy()
+    guided._add_enlarged(added, half.astype(np.float32))
+    assert added - fine == pytest.approx(np.array(between), abs=2e-6)
+
+
+@pytest.mark.parametrize(("active", "deviations"), [(0.0, 8.0), (1.0, 1.0)])
+def test_of_two_levels_that_far_apart_in_all_planes_half_the_difference_is_taken(
+    active, deviations
+):
+    noise = np.array([[9.0, 100.0], [0.0, 0.0], [0.0, 0.0]])
+    fine = np.full((2, 40, 36), 500.0, np.float32)
+    apart = deviations * np.sqrt(noise[0] / 4).astype(np.float32)[:, None, None]
+    coarse = np.float32(500.0) + np.broadcast_to(apart, (2, 20, 18))
+    shares = np.full(20, 0.5), np.full(18, 0.5)  # of means of 2 x 2
+    found = guided._believed(coarse, fine, np.full((40, 36), active, np.float32), noise, shares)
+    assert found == pytest.approx(np.broadcast_to(apart / 2, found.shape), rel=1e-5)
 
 
 def gain_db(before, after, mean):

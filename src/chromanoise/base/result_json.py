@@ -419,7 +419,7 @@ def _kind_at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
         return _kind_of(path)
     if path == ".":
         return owners[-1]
-    steps = path.split(".")
+    steps = _steps(path)
     kind = next((one for one in reversed(owners) if _has(one, steps[0])), owners[-1])
     missing = False
     for step in steps:

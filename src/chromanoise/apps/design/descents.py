@@ -123,7 +123,7 @@ class _Rounds:
         self.ends, self.gradients, self.settled = list[Assessed](), 0, 0
 
     def may_go_on(self) -> bool:
-        """Whether another round may begin; tells the gradients so far."""
+        """Report the number of gradients so far, and return whether another round may begin."""
         return self._goes_on(self.gradients)
 
     @property

@@ -199,9 +199,8 @@ def _is_no_curve(name: str, rows: Sequence[tuple[str, ...]], k: int, comma: bool
     texts = [cells[k] for cells in rows if len(cells) > k]
     if any(is_number(text, decimal_comma=comma) for text in texts):
         return False
-    return {text.strip().lower() for text in texts} - {""} != {
-        "nan"
-    }  # else a curve without any value, refused where it is read
+    # a curve without any value is a curve, too, which is refused where it is read
+    return {text.strip().lower() for text in texts} - {""} != {"nan"}
 
 
 def _without_words_after(
