@@ -437,7 +437,7 @@ for _field, _one in PIXEL.items():
 
 @_sweep(
     "bits",
-    "bits of the converter, its top code at full well",
+    "bit depth of the converter with its top code at full well",
     "bit",
     8.0,
     16.0,

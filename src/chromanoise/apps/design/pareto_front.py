@@ -394,13 +394,23 @@ def crowding(costs: Float[Array, "m q"]) -> Float[Array, " m"]:
     return distance
 
 
-def thinned(costs: Float[Array, "m q"], most: int) -> Int64[Array, " k"]:
-    """Indices of at most ``most`` members of a front, the most crowded ones dropped in rounds."""
-    left = np.arange(len(costs))
+def thinned(
+    costs: Float[Array, "m q"], most: int, *, keep: Sequence[int] = ()
+) -> Int64[Array, " k"]:
+    """Indices of at most ``most`` members of a front, the most crowded ones dropped in rounds.
+
+    Parameters
+    ----------
+    keep
+        Indices of members that stay, even if they are more than ``most``.
+    """
+    left, stays = np.arange(len(costs)), np.isin(np.arange(len(costs)), keep)
+    most = max(most, int(stays.sum()))
     while left.size > most:
         surplus = left.size - most
-        dropped = np.argsort(crowding(costs[left]), kind="stable")[: max(1, int(_ROUND * surplus))]
-        left = np.delete(left, dropped)
+        free = np.flatnonzero(~stays[left])
+        order = free[np.argsort(crowding(costs[left])[free], kind="stable")]
+        left = np.delete(left, order[: max(1, int(_ROUND * surplus))])
     return left
 
 
@@ -562,7 +572,7 @@ def front_of(
     """
     costs = problem.costs(objectives)
     best, middle = extremes(costs), knee(costs)
-    chosen = np.unique([*thinned(costs, most), *best, middle])
+    chosen = thinned(costs, most, keep=[*best.tolist(), middle])
     order = chosen[np.lexsort((*costs[chosen].T[::-1],))]
     slack = -violation
     held = slack <= _HELD * np.maximum(slack.max(axis=0, initial=0.0), 0.0)
