@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         write_kept,
         write_whole,
     )
-    from chromanoise.base.immutable import dataclass, kept
+    from chromanoise.base.immutable import dataclass, kept, kept_of_each
     from chromanoise.base.inputs import (
         content_hash,
         first_bytes,

@@ -1,6 +1,6 @@
 """Dataclasses with shared methods (the standard ones generate theirs, 60 ms at each start)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import MISSING, FrozenInstanceError, dataclass, fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, Signature
@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 
 _Given = ParamSpec("_Given")
 _Result = TypeVar("_Result")
+_Object = TypeVar("_Object")
 
 if not TYPE_CHECKING:
     _standard = dataclass
@@ -186,3 +187,25 @@ def kept(function: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
 
 
 _MOST_KEPT = 64
+
+
+def kept_of_each(
+    function: Callable[[Sequence[_Object]], Sequence[_Result]],
+) -> Callable[[Sequence[_Object]], list[_Result]]:
+    """A decorator as `kept`, for a function that finds the results of many objects at once.
+
+    Parameters
+    ----------
+    function
+        Of objects that are compared by identity, to one result each. It is called with those whose
+        result is not kept.
+    """
+    known: WeakKeyDictionary[_Object, _Result] = WeakKeyDictionary()
+
+    @wraps(function)
+    def found(objects: Sequence[_Object]) -> list[_Result]:
+        if new := [one for one in objects if one not in known]:
+            known.update(zip(new, function(new), strict=True))
+        return [known[one] for one in objects]
+
+    return found

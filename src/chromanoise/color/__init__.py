@@ -90,6 +90,7 @@ if TYPE_CHECKING:
     from chromanoise.color.spaces import (
         D65_WHITE,
         LAB as LAB,
+        LAB_FROM_CUBE_ROOTS,
         LINEAR_SRGB as LINEAR_SRGB,
         LUV as LUV,
         SPACES as SPACES,
@@ -102,6 +103,7 @@ if TYPE_CHECKING:
         ciede2000_difference as ciede2000_difference,
         cielab as cielab,
         cieluv as cieluv,
+        cube_root_slope,
         encoded_srgb as encoded_srgb,
         linear_srgb as linear_srgb,
         srgb_from_linear as srgb_from_linear,

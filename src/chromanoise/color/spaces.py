@@ -241,7 +241,8 @@ def srgb_slope(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
 
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line
 _UV = np.array([1.0, 15.0, 3.0])  # CIE 015:2018, eq. 8.25: X + 15 Y + 3 Z
-_LAB = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
+LAB_FROM_CUBE_ROOTS = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
+"""Slopes of L*, a*, b* over the f of X/Xn, Y/Yn and Z/Zn (CIE 015:2018, eq. 8.3-8.5)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -403,8 +404,8 @@ def _encoded_srgb_jacobian(
 def _cielab_jacobian(
     xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
 ) -> Float[Array, "*px 3 3"]:
-    slope = _cube_root_slope(xyz / _white(white)) / white
-    return _LAB * slope[..., None, :]
+    slope = cube_root_slope(xyz / _white(white)) / white
+    return LAB_FROM_CUBE_ROOTS * slope[..., None, :]
 
 
 def _cieluv_jacobian(
@@ -414,7 +415,7 @@ def _cieluv_jacobian(
     neutral = _chromaticity(_white(white))
     y = xyz[..., 1:2] / white[1]
     lightness = (116 * _cube_root(y) - 16)[..., None]
-    rising = 116 * _cube_root_slope(y) * np.array([0.0, 1.0, 0.0]) / white[1]
+    rising = 116 * cube_root_slope(y) * np.array([0.0, 1.0, 0.0]) / white[1]
     away = np.where(black, 0.0, _chromaticity(xyz) - neutral)
     slope = np.array([[4.0], [9.0]]) * _shares_slope(xyz, _UV)
     turning = np.where(black[..., None], 0.0, slope)
@@ -427,7 +428,8 @@ def _cube_root(t: Array) -> Array:
     return np.where(t > _DELTA**3, np.cbrt(t), t / (3 * _DELTA**2) + 4 / 29)
 
 
-def _cube_root_slope(t: Array) -> Array:
+def cube_root_slope(t: Float[Array, "*px"]) -> Float[Array, "*px"]:
+    """Slope of the f of CIELAB."""
     return 1 / (3 * np.cbrt(np.maximum(t, _DELTA**3)) ** 2)  # constant in the linear segment
 
 

@@ -6,6 +6,7 @@ total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the co
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache, cached_property, lru_cache, partial
 from typing import ClassVar, NamedTuple
 
@@ -26,6 +27,7 @@ from chromanoise.base import (
     defined,
     inv,
     kept,
+    kept_of_each,
     variances_along,
     with_short_repr,
 )
@@ -38,6 +40,7 @@ from chromanoise.color import (
     ColorMatrix,
     ColorNoise,
     Method as PropagationMethod,
+    NoisyColor,
     ParetoCurve,
     Space,
     cubature,
@@ -66,6 +69,7 @@ from chromanoise.metrics import (
 )
 from chromanoise.noise import (
     Exposure,
+    Measurement,
     OperatingPoint,
     Readout,
     demand_independent_channels,
@@ -681,6 +685,7 @@ def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None
 
 # error below 4e-3 of a standard deviation
 _BY_CUBATURE = partial(cubature, rule=gaussian_cubature(radii=5, latitudes=3, longitudes=6))
+_LAB_ALONE = replace(LAB, coordinates=("lightness", "a*", "b*"))  # without C* and Delta E*ab
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -711,7 +716,7 @@ def total_errors(
     matrix: ColorMatrix,
     *,
     readout: Readout | None = None,
-    method: PropagationMethod = _BY_CUBATURE,
+    method: PropagationMethod | None = None,
 ) -> TotalError | None:
     """Total color error of the chart at an operating point, by default the ColorChecker.
 
@@ -732,24 +737,61 @@ def total_errors(
     InputError
         If the grid extends beyond 400-1050 nm, the range of the chart's data.
     """
-    sensor, exposure = operating_point.sensor, operating_point.exposure
-    electrons = electrons_at(operating_point)
+    chart = _chart_seen(operating_point, matrix, readout)
+    if chart is None or method is None:
+        return None if chart is None else _total_errors([chart])[0]
+    return _total_error(propagate(chart.color, LAB, method).measurement, chart.truth_lab)
+
+
+class _ChartSeen(NamedTuple):
+    """The noisy colors of a chart, and their true CIELAB."""
+
+    color: NoisyColor
+    truth_lab: Float[Array, "k 3"]
+
+
+def _chart_seen(
+    point: OperatingPoint, matrix: ColorMatrix, readout: Readout | None
+) -> _ChartSeen | None:
+    sensor, exposure, chart = point.sensor, point.exposure, point.chart
+    electrons = electrons_at(point)
     white = matrix.matrix @ electrons
     if saturated(electrons, sensor, exposure).any() or not (white > 0).all():
         return None
-    chart = operating_point.chart
-    lab = chart_lab(sensor, matrix, exposure, operating_point.illuminant, chart)
+    lab = chart_lab(sensor, matrix, exposure, point.illuminant, chart)
     if lab is None:
         return None
     reflectance = chart_on(sensor.grid, chart).values.T
-    at = stages_at(operating_point, matrix, reflectance=reflectance, readout=readout)
-    noise = propagate(noisy_color_at(at, white), LAB, method).measurement
-    bias = np.linalg.norm(noise.mean - lab[0], axis=-1)
+    stages = stages_at(point, matrix, reflectance=reflectance, readout=readout)
+    return _ChartSeen(noisy_color_at(stages, white), lab[0])
+
+
+def _total_errors(charts: Sequence[_ChartSeen]) -> list[TotalError]:
+    """By cubature, of all charts at once."""
+    xyz, white = [one.color.xyz for one in charts], [one.color.white for one in charts]
+    relative = Measurement(
+        mean=np.concatenate([one.mean / own for one, own in zip(xyz, white, strict=True)]),
+        covariance=np.concatenate(
+            [one.covariance / np.outer(own, own) for one, own in zip(xyz, white, strict=True)]
+        ),
+        names=xyz[0].names,
+        kind=xyz[0].kind,
+        unit="1",
+    )
+    color = NoisyColor(xyz=relative, white=np.ones(3))
+    noise = propagate(color, _LAB_ALONE, _BY_CUBATURE).measurement
+    every = _total_error(noise, np.concatenate([one.truth_lab for one in charts]))
+    ends = np.cumsum([len(one.truth_lab) for one in charts])[:-1]
+    parts = (np.split(own, ends) for own in (every.bias, every.noise, every.total))
+    return [TotalError(bias=b, noise=n, total=t) for b, n, t in zip(*parts, strict=True)]
+
+
+def _total_error(noise: Measurement, truth_lab: Float[Array, "k 3"]) -> TotalError:
+    bias = np.linalg.norm(noise.mean - truth_lab, axis=-1)
     spread = noise.variance.sum(axis=-1)
     return TotalError(bias=bias, noise=np.sqrt(spread), total=np.sqrt(bias**2 + spread))
 
 
-@kept
 def total_error_of(analysis: Analysis) -> TotalError | None:
     """`total_errors` of an analysis, with its matrix and readout; ``None`` without a color.
 
@@ -758,9 +800,21 @@ def total_error_of(analysis: Analysis) -> TotalError | None:
     analysis
         Results of one sensor.
     """
-    if None in color_snr_db(of_white(analysis)).values():
-        return None
-    return total_errors(analysis.point, analysis.matrix, readout=analysis.readout)
+    return total_errors_of([analysis])[0]
+
+
+@kept_of_each
+def total_errors_of(analyses: Sequence[Analysis]) -> list[TotalError | None]:
+    """`total_error_of` of each analysis, computed at once."""
+    charts = [
+        None
+        if None in color_snr_db(of_white(one)).values()
+        else _chart_seen(one.point, one.matrix, one.readout)
+        for one in analyses
+    ]
+    seen = [one for one in charts if one is not None]
+    found = iter(_total_errors(seen) if seen else ())
+    return [None if one is None else next(found) for one in charts]
 
 
 def mean_total_error(analysis: Analysis) -> float | None:

@@ -30,11 +30,12 @@ from chromanoise.base import (
     with_short_repr,
 )
 from chromanoise.color import (
-    LAB,
+    LAB_FROM_CUBE_ROOTS,
     ColorMatrix,
     NoiseAwareFamily,
     balanced_cielab,
     cie1976_difference,
+    cube_root_slope,
 )
 from chromanoise.metrics import balanced_truth, optimal_linear_snr_db, viewed_covariance
 from chromanoise.noise import OperatingPoint, coarsely_converted, saturated, with_noise
@@ -100,9 +101,19 @@ class _Chart:
     patches_e2: Float[Array, "k p p"]
 
     @cached_property
+    def truth_lab(self) -> Float[Array, "k 3"]:
+        """L*, a*, b* of ``truth``."""
+        return balanced_cielab(self.truth)
+
+    @cached_property
+    def flat_patches_e2(self) -> Float[Array, "p2 k"]:
+        """``patches_e2`` as columns. [e-^2]"""
+        return np.ascontiguousarray(self.patches_e2.reshape(len(self.patches_e2), -1).T)
+
+    @cached_property
     def colorless_error(self) -> float:
         """Color error of a gray picture of the right lightness, without noise. [Delta E*ab]"""
-        return float(np.linalg.norm(balanced_cielab(self.truth)[:, 1:], axis=-1).mean())
+        return float(np.linalg.norm(self.truth_lab[:, 1:], axis=-1).mean())
 
     def seen(self, matrices: Float[Array, "q 3 p"]) -> Float[Array, "q k 3"]:
         """X, Y, Z over those of the white; NaN where those are not above 0. [1]"""
@@ -113,7 +124,7 @@ class _Chart:
 
     def errors(self, seen: Float[Array, "q k 3"]) -> Float[Array, "q k"]:
         """Color error of each patch. [Delta E*ab]"""
-        return cie1976_difference(balanced_cielab(self.truth), balanced_cielab(seen))
+        return cie1976_difference(self.truth_lab, balanced_cielab(seen))
 
 
 @kept
@@ -658,12 +669,27 @@ def total_error_as_viewed(
     seen = chart.seen(matrices)
     known = np.isfinite(seen).all(axis=(-1, -2))
     white = np.where(known[:, None], matrices @ chart.white_e, 1.0)
-    balanced = (matrices / white[..., None])[:, None]
-    in_pixel = balanced @ chart.patches_e2 @ np.swapaxes(balanced, -1, -2)
-    viewed = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
-    to_lab = LAB.jacobian(np.where(known[:, None, None], seen, 1.0), np.ones(3))
-    spread = ((to_lab @ viewed) * to_lab).sum(axis=(-1, -2))
-    return np.asarray(np.sqrt(chart.errors(seen) ** 2 + spread).mean(axis=-1))
+    balanced = matrices / white[..., None]
+    pairs = balanced[:, :, None, :, None] * balanced[:, None, :, None]
+    shares = _lab_variance_as_viewed(viewing.pixels_per_degree)
+    of_slopes = shares @ pairs.reshape(len(matrices), _COLORS**2, -1) @ chart.flat_patches_e2
+    slope = np.swapaxes(cube_root_slope(np.where(known[:, None, None], seen, 1.0)), -1, -2)
+    slopes = (slope[:, :, None] * slope[:, None]).reshape(of_slopes.shape)
+    return np.asarray(
+        np.sqrt(chart.errors(seen) ** 2 + (of_slopes * slopes).sum(axis=1)).mean(axis=-1)
+    )
+
+
+@lru_cache(maxsize=32)
+def _lab_variance_as_viewed(pixels_per_degree: float) -> Float[Array, "9 9"]:
+    """From the covariance of X, Y, Z in one pixel, what the products of two slopes are weighed by.
+
+    The sum is the variance of L*, a* and b*; the slopes are of the cube roots.
+    """
+    each = np.eye(_COLORS**2).reshape(-1, _COLORS, _COLORS)
+    viewed = viewed_covariance(each, pixels_per_degree=pixels_per_degree, samples=PLANE)
+    weights = LAB_FROM_CUBE_ROOTS.T @ LAB_FROM_CUBE_ROOTS
+    return np.asarray((viewed * weights).reshape(_COLORS**2, -1).T)
 
 
 @dataclass(frozen=True, kw_only=True)
