@@ -167,8 +167,8 @@ def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
     of_kind[float] = lambda number: repr(number) if math.isfinite(number) else encode(number)
 
     def text(value: Any, pad: str) -> str:
-        if type(value) in of_kind:  # most values, in less time than `encode`
-            return of_kind[type(value)](value)
+        if own := of_kind.get(type(value)):  # most values, in less time than `encode`
+            return own(value)
         if not isinstance(value, dict | list | tuple) or not value:
             return encode(value)
         inner = pad + " " * indent
@@ -242,9 +242,12 @@ def _at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
     if path == ".":
         return owners[-1]
     steps = _steps(path)
-    kinds: list[Any] = [type(one) for one in owners]
-    having = [one for one, kind in zip(owners, kinds, strict=True) if _has(kind, steps[0])]
-    value = having[-1] if having else owners[-1]
+    value = owners[-1]
+    for one in reversed(owners):
+        kind: Any = type(one)
+        if _has(kind, steps[0]):
+            value = one
+            break
     for step in steps:
         if value is None:
             return None

@@ -32,6 +32,7 @@ def paused_collection() -> Iterator[None]:
     try:
         yield
     finally:
+        gc.freeze()
         if enabled:
             gc.enable()
 

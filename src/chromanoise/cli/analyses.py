@@ -58,7 +58,6 @@ from chromanoise.study import (
     failures_of,
     input_notes,
     known_matrices,
-    read_record,
     run,
     run_study,
     study_of,
@@ -92,23 +91,22 @@ def print_run(
     def report(what: str, done: bool) -> None:
         click.echo(f"{what}{' (already done)' if done else ''}", err=True)
 
-    work = Work(threads=threads)
+    results: list[dict[str, Any]] = []
     files = run_study(
         study,
         out,
-        work=work,
+        work=Work(threads=threads),
         planned=planned,
         report=report,
         progress=progress_of_step,
+        found=results.append if answers or fail_if else None,
         place=place,
     )
     if answers:
-        print_lines(answers_of(files))
+        print_lines(answers_of(results))
     for file in files:
         click.echo(file)
-    return failures_of(
-        asked, lambda: [read_record(file)["result"] for file in files], [one.stem for one in files]
-    )
+    return failures_of(asked, lambda: results, [one.stem for one in files])
 
 
 def progress_of_step(step: Step) -> AbstractContextManager[Callable[[int], None]]:

@@ -40,7 +40,7 @@ from chromanoise.noise import (
     sensor_moments,
 )
 
-_VALUES_PER_CHUNK = 500_000  # cubature points at once: some 50 MB, however large the picture
+_VALUES_PER_CHUNK = 50_000  # cubature points at once: some 5 MB, which stay in the cache
 _EMPTY = 64 * np.finfo(float).eps  # eigenvalues below this share of the largest are rounding
 
 
@@ -296,7 +296,7 @@ def gaussian_moments(
         still = of(center, against)  # subtracted first: a bias is far smaller than a coordinate
         away = of(values, against) - still
         shift = (rule.weights @ away)[:, None]
-        away = away - shift
+        away -= shift
         stills.append(still[:, 0])
         shifts.append(shift[:, 0])
         covariances.append(np.swapaxes(away, -1, -2) @ (rule.weights[:, None] * away))

@@ -16,6 +16,9 @@ from chromanoise.base import (
 from chromanoise.geometry.dual_basis import DualBasis
 from chromanoise.spectra import Metric
 
+_KNOWN_INFLATION = 1e8  # above, it has fewer digits than a fit
+_SURELY_NEARER = 0.99
+
 
 def variance_inflation(frame: DualBasis) -> Float[Array, " p"]:
     """VIF_i = |f_i|^2 (G^-1)_ii = 1 / sin^2 phi_i; inf for a linearly dependent channel.
@@ -108,7 +111,10 @@ def nearest_mix(frame: DualBasis) -> NearestMix | None:
     """
     if len(frame.names) < 2:
         return None
-    return min((_mix(frame, i) for i in range(len(frame.names))), key=lambda mix: mix.angle_deg)
+    inflation = variance_inflation(frame)  # 1 over the squared sine of the angle
+    known = inflation.max() < _KNOWN_INFLATION
+    near = np.flatnonzero(inflation >= (_SURELY_NEARER * inflation.max() if known else 0.0))
+    return min((_mix(frame, int(i)) for i in near), key=lambda mix: mix.angle_deg)
 
 
 def _mix(frame: DualBasis, i: int) -> NearestMix:

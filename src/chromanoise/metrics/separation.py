@@ -12,8 +12,9 @@ AVM-148); no conformity is claimed.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
@@ -256,8 +257,13 @@ def _squared_distance(
     sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))  # variances of 1 keep the digits
     scale = np.where(sd > 0, sd, 1.0)
     correlation = covariance / scale[..., None] / scale[..., None, :]
-    right = _columns(difference, direction) / scale[..., None]
-    return _length(solve("mean covariance of two patches", correlation, right), right)
+    weigh = partial(_solved, correlation)
+    return _length(difference / scale, None if direction is None else direction / scale, weigh)
+
+
+def _solved(correlation: Float[Array, "*m p p"], vector: Float[Array, "*m p"]) -> Array:
+    found = solve("mean covariance of two patches", correlation, vector[..., None])
+    return np.asarray(found[..., 0])
 
 
 def _squared_distance_of_variances(
@@ -267,32 +273,26 @@ def _squared_distance_of_variances(
 ) -> Float[Array, "*m"]:
     sure = variance == 0
     endless = (sure & (difference != 0)).any(axis=-1)
-    right = _columns(difference, direction)
-    left = right / np.where(sure, np.inf, variance)[..., None]
-    return np.where(endless, np.inf, _length(left, right))
+    weight = 1.0 / np.where(sure, np.inf, variance)
+    return np.where(endless, np.inf, _length(difference, direction, weight.__mul__))
 
 
-def _columns(
-    difference: Float[Array, "*m p"], direction: Float[Array, "*m p"] | None
-) -> Float[Array, "*m p k"]:
-    return np.stack([one for one in (difference, direction) if one is not None], axis=-1)
+def _length(
+    difference: Float[Array, "*m p"],
+    direction: Float[Array, "*m p"] | None,
+    weigh: Callable[[Array], Array],
+) -> Float[Array, "*m"]:
+    """d^T S^-1 d, with ``weigh`` for S^-1; of d less its component along a direction, if any."""
+    if direction is not None:
+        toward = weigh(direction)
+        length, along = _dot(direction, toward), _dot(difference, toward)
+        share = along / np.where(length > 0, length, 1.0)
+        difference = difference - share[..., None] * direction
+    return np.asarray(np.maximum(_dot(difference, weigh(difference)), 0.0))
 
 
-def _length(left: Float[Array, "*m p k"], right: Float[Array, "*m p k"]) -> Float[Array, "*m"]:
-    """Product of the first columns, less their components along the second, if there are two."""
-    if right.shape[-1] == 2:
-        left, right = (_without_direction(left, right, each) for each in (left, right))
-    return np.asarray(np.maximum((right * left).sum(axis=-2)[..., 0], 0.0))
-
-
-def _without_direction(
-    left: Float[Array, "*m p 2"], right: Float[Array, "*m p 2"], vectors: Float[Array, "*m p 2"]
-) -> Float[Array, "*m p 1"]:
-    """The first of two vectors less its component along the second, the change of brightness."""
-    along = (right[..., 0] * left[..., 1]).sum(axis=-1)
-    length = (right[..., 1] * left[..., 1]).sum(axis=-1)
-    share = along / np.where(length > 0, length, 1.0)
-    return np.asarray(vectors[..., :1] - share[..., None, None] * vectors[..., 1:])
+def _dot(one: Float[Array, "*m p"], other: Float[Array, "*m p"]) -> Float[Array, "*m"]:
+    return np.asarray(np.einsum("...p,...p->...", one, other))
 
 
 def _error_probability(

@@ -344,6 +344,8 @@ class NoiseSources(PixelReading):
         """
         variance = np.array(self.variance_e2(mean_e, kind))
         mean, bias = np.asarray(mean_e, dtype=np.float64), np.zeros_like(variance)
+        if not self.step_e:
+            return bias, variance
         own = self if kind == "total" else self.temporal
         coarse = own.rounding_is_coarse(mean)
         if own.pattern is not None:
@@ -678,7 +680,7 @@ def with_noise(
     else:
         bias, variance = noise.rounded(mean_e, kind)
         mean_e = mean_e + bias if bias.any() else mean_e
-    after = noise.after_counting_e2(counted, kind)
+    after = 0.0 if coupling is None else noise.after_counting_e2(counted, kind)
     if coupling is not None and sensor.crosstalk is not None and sensor.crosstalk.places:
         reading = (variance - after) @ sensor.crosstalk.squares.T + after
     return Measurement(

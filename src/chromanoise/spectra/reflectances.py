@@ -1,7 +1,7 @@
 """Measured reflectances that include the near infrared, gray cards, and pairs of patches."""
 
 import re
-from functools import cache
+from functools import cache, lru_cache
 from itertools import combinations
 from pathlib import Path
 
@@ -143,6 +143,7 @@ class PatchPairs:
         return tuple((patches[i], patches[j]) for i, j in self.indices)
 
 
+@lru_cache(maxsize=16)  # by identity: every sensor of a study is asked about the same patches
 def all_pairs(patches: Spectra) -> PatchPairs:
     """Each patch with each other one: 276 pairs for the 24 patches of a ColorChecker.
 

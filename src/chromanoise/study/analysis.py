@@ -78,6 +78,7 @@ from chromanoise.spectra import (
     PatchPairs,
     Scene,
     Spectra,
+    chart_on,
     chart_title,
     color_axes,
     observer_notes,
@@ -283,6 +284,14 @@ def stages_at(
         clipping=clipping,
         lux_per_e=lux_per_e,
     )
+
+
+@kept  # total error and distances are of the same patches
+def chart_stages(analysis: "Analysis") -> Stages:
+    """Every stage of each patch of the chart of an analysis, with its matrix and readout."""
+    reflectance = chart_on(analysis.sensor.grid, analysis.chart).values.T
+    readout = analysis.readout
+    return stages_at(analysis.point, analysis.matrix, reflectance=reflectance, readout=readout)
 
 
 def noisy_color_at(stages: Stages, white: Float[Array, " 3"]) -> NoisyColor:

@@ -611,11 +611,14 @@ def sensor_of(
         sensor = behind_ir_cut(sensor, part.ircut_nm)
     with keyed(f"{key}.name"):
         refuse_blind_channels(sensor)
-    return replace(_with_crosstalk(sensor, part, key), shown_as=part.label or sensor.shown_as)
+    sensor = _with_crosstalk(sensor, part, key)
+    return replace(sensor, shown_as=part.label) if part.label else sensor
 
 
 def _pixel_changes(part: PixelPart) -> dict[str, Any]:
     """The changes as `sensor_with_pixel` takes them; a gain K in DN/e- becomes e-/DN."""
+    if not part.model_fields_set:  # most sensors
+        return {}
     changes = part.model_dump(exclude={"gain_dn_per_e", "binning", "binning_mode"})
     if part.gain_dn_per_e is not None:
         changes["gain_e_per_dn"] = 1 / part.gain_dn_per_e

@@ -5,7 +5,7 @@ total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the co
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, cached_property, lru_cache, partial
 from typing import ClassVar, NamedTuple
@@ -80,6 +80,8 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra, chart_on, flat_field
 from chromanoise.study.analysis import (
     Analysis,
+    Stages,
+    chart_stages,
     color_snr_db,
     electrons_at,
     noisy_color_at,
@@ -737,7 +739,9 @@ def total_errors(
     InputError
         If the grid extends beyond 400-1050 nm, the range of the chart's data.
     """
-    chart = _chart_seen(operating_point, matrix, readout)
+    reflectance = chart_on(operating_point.sensor.grid, operating_point.chart).values.T
+    stages = partial(stages_at, operating_point, matrix, reflectance=reflectance, readout=readout)
+    chart = _chart_seen(operating_point, matrix, stages)
     if chart is None or method is None:
         return None if chart is None else _total_errors([chart])[0]
     return _total_error(propagate(chart.color, LAB, method).measurement, chart.truth_lab)
@@ -751,19 +755,15 @@ class _ChartSeen(NamedTuple):
 
 
 def _chart_seen(
-    point: OperatingPoint, matrix: ColorMatrix, readout: Readout | None
+    point: OperatingPoint, matrix: ColorMatrix, stages: Callable[[], Stages]
 ) -> _ChartSeen | None:
-    sensor, exposure, chart = point.sensor, point.exposure, point.chart
+    sensor, exposure = point.sensor, point.exposure
     electrons = electrons_at(point)
     white = matrix.matrix @ electrons
     if saturated(electrons, sensor, exposure).any() or not (white > 0).all():
         return None
-    lab = chart_lab(sensor, matrix, exposure, point.illuminant, chart)
-    if lab is None:
-        return None
-    reflectance = chart_on(sensor.grid, chart).values.T
-    stages = stages_at(point, matrix, reflectance=reflectance, readout=readout)
-    return _ChartSeen(noisy_color_at(stages, white), lab[0])
+    lab = chart_lab(sensor, matrix, exposure, point.illuminant, point.chart)
+    return None if lab is None else _ChartSeen(noisy_color_at(stages(), white), lab[0])
 
 
 def _total_errors(charts: Sequence[_ChartSeen]) -> list[TotalError]:
@@ -809,7 +809,7 @@ def total_errors_of(analyses: Sequence[Analysis]) -> list[TotalError | None]:
     charts = [
         None
         if None in color_snr_db(of_white(one)).values()
-        else _chart_seen(one.point, one.matrix, one.readout)
+        else _chart_seen(one.point, one.matrix, partial(chart_stages, one))
         for one in analyses
     ]
     seen = [one for one in charts if one is not None]

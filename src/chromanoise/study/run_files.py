@@ -67,19 +67,16 @@ class RecordedRun:
     folder: Path
 
 
-def answers_of(files: Sequence[Path]) -> list[str]:
+def answers_of(results: Sequence[Mapping[str, Any]]) -> list[str]:
     """The first sentence of each result of a run that has sentences, each once.
 
     Parameters
     ----------
-    files
-        Of `run_study`.
+    results
+        As ``run_study`` gives them to ``found``.
     """
-    sentences = []
-    for file in files:
-        result = read_record(file)["result"]
-        sentences += (result.get("verdict") or result).get("sentences", [])[:1]
-    return list(dict.fromkeys(sentences))
+    judged = (one.get("verdict") or one for one in results)
+    return list(dict.fromkeys(text for one in judged for text in one.get("sentences", [])[:1]))
 
 
 def run_study(
@@ -90,6 +87,7 @@ def run_study(
     planned: Callable[[Sequence[Step]], object] = len,
     report: Report | None = None,
     progress: Progress = no_progress,
+    found: Callable[[dict[str, Any]], object] | None = None,
     place: Path | None = None,
 ) -> list[Path]:
     """Run all steps of a study; a stopped run continues with the missing results.
@@ -108,6 +106,8 @@ def run_study(
         Called for each step.
     progress
         Called for each step, to report its finished parts.
+    found
+        Called for each step with its result as plain data, also if it was done before.
     place
         The folder to which the file names are relative; it is the working folder of this process
         while the study runs. The current working folder if ``None``.
@@ -150,12 +150,16 @@ def run_study(
                 with claimed.scratch() as scratch, progress(step) as advance:
                     result = step.run(scratch, advance)
                     _refuse_change_in_work(study, stamps, who["files"])
-                    document = {
+                    document: dict[str, Any] = {
                         "step": step.name,
                         "written": _written(scratch),
                         "result": result.to_dict(),
                     }
                     _write(scratch / f"{step.name}.json", who | document)
+            elif found:
+                document = read_record(results / f"{step.name}.json")
+            if found:
+                found(document["result"])
     return [folder / f"{step.name}.json" for step in steps]
 
 

@@ -203,6 +203,7 @@ class TradeOff:
             at = np.arange(max(0, best - _STRIDE), min(self.weights.size, best + _STRIDE + 1))
         return float(totals.min()), best
 
+    @kept
     def place(self, color_error: float) -> float | None:
         """Where the least noise with at most that color error is; ``None`` where no matrix has it.
 

@@ -5,8 +5,7 @@ Spectra may be in rows, and units in the cells of the wavelengths.
 
 import re
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +22,7 @@ from chromanoise.io.spectra.parsed import LARGEST, Column, Found, Row, known_col
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _PLAIN = re.compile(r"\d{1,20}(\.\d{0,20})?", re.ASCII)
+_PLAIN_ROW = re.compile(rf"{_PLAIN.pattern}(\0{_PLAIN.pattern})*", re.ASCII)  # \0: in no cell
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
 _NUMERAL = re.compile(r"[-+]?[.,]?\d|[-+]?(?:nan|inf)", re.IGNORECASE)
@@ -163,11 +163,13 @@ def _with_wavelengths_first(
     """
     for i, row in enumerate(rows):
         k = next((k for k, cell in enumerate(row.cells) if is_wavelength_heading(cell)), None)
-        if k is None or len(row.cells) < 2 or not _numbers_below(rows[i + 1 : i + 5], k, comma):
+        first = [] if k is None else [*_numbers_below(rows[i + 1 : i + 5], k, comma)]
+        if k is None or len(row.cells) < 2 or len(first) < 2:
             continue
-        below = _numbers_below(rows[i + 1 :], k, comma)
         drop = [
-            j for j, name in enumerate(row.cells) if j != k and _is_no_curve(name, below, j, comma)
+            j
+            for j, name in enumerate(row.cells)
+            if j != k and _is_no_curve(name, _numbers_below(rows[i + 1 :], k, comma), j, comma)
         ]
         if any(j not in drop for j in range(k)) or len(drop) == len(row.cells) - 1 or not drop:
             return rows, ()
@@ -181,26 +183,25 @@ def _with_wavelengths_first(
     return rows, ()
 
 
-def _numbers_below(rows: Sequence[Row], k: int, comma: bool) -> list[tuple[str, ...]]:
-    """The rows with a number in column ``k``; none if fewer than two have one."""
-    found = [
-        row.cells
-        for row in rows
-        if len(row.cells) > k and is_number(row.cells[k], decimal_comma=comma)
-    ]
-    return found if len(found) > 1 else []
+def _numbers_below(rows: Sequence[Row], k: int, comma: bool) -> Iterator[tuple[str, ...]]:
+    """The rows with a number in column ``k``."""
+    for row in rows:
+        if len(row.cells) > k and is_number(row.cells[k], decimal_comma=comma):
+            yield row.cells
 
 
-def _is_no_curve(name: str, rows: Sequence[tuple[str, ...]], k: int, comma: bool) -> bool:
+def _is_no_curve(name: str, rows: Iterable[tuple[str, ...]], k: int, comma: bool) -> bool:
     """Whether column ``k`` with this heading holds row numbers, another axis or words."""
     bare = name_and_unit(name)[0]
     if _COUNTS_ROWS.fullmatch(bare) or _OTHER_AXIS.fullmatch(bare):
         return True
-    texts = [cells[k] for cells in rows if len(cells) > k]
-    if any(is_number(text, decimal_comma=comma) for text in texts):
-        return False
+    words = set()
+    for text in (cells[k] for cells in rows if len(cells) > k):
+        if is_number(text, decimal_comma=comma):
+            return False
+        words.add(text.strip().lower())
     # a curve without any value is a curve, too, which is refused where it is read
-    return {text.strip().lower() for text in texts} - {""} != {"nan"}
+    return words - {""} != {"nan"}
 
 
 def _without_words_after(
@@ -284,9 +285,9 @@ def _numbers(
     body: list[Row], names: tuple[str, ...], decimal: str, source: str, where: str
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     width = len(names)
-    table = np.full((len(body), width), _NAN)
+    table: list[list[float]] = []
     short: list[int] = []
-    for i, row in enumerate(body):
+    for row in body:
         cells = _bare(row.cells)
         if len(cells) > width:
             need = f"must have at most {width} cells, as the heading"
@@ -294,18 +295,22 @@ def _numbers(
             raise has(source, need, len(cells), where=f"{where} {row.number}", remedy=remedy)
         if len(row.cells) < width:
             short.append(row.number)
+        if _PLAIN_ROW.fullmatch("\0".join(cells)):  # most rows
+            table.append([*map(float, cells), *[_NAN] * (width - len(cells))])
+            continue
+        table.append([_NAN] * width)
         for k, cell in enumerate(cells):
-            table[i, k] = value = number_in(cell, decimal_comma=decimal == ",")
+            table[-1][k] = value = number_in(cell, decimal_comma=decimal == ",")
             if value != value and cell.lower() not in _MISSING:
                 need = f"must be a finite number below {LARGEST:g}"
                 place = f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}"
                 cures = ("correct it", "remove the row")
                 raise refused(source, need, cell, where=place, remedy=cures)
     if not short:
-        return table, ()
+        return np.array(table), ()
     numbers = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
     which = f"{where} {numbers} has" if len(short) == 1 else f"{where}s {numbers} have"
-    return table, (f"ragged rows: {which} fewer than {width} cells",)
+    return np.array(table), (f"ragged rows: {which} fewer than {width} cells",)
 
 
 def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:
@@ -407,7 +412,7 @@ def _shared(
             name = f"{name} ({i})" if len(sweeps) > 1 else name
             curve = [(name, numbers[rows, k + 1])]
             missing += missing_notes(numbers[rows, 0], curve, "empty cells")
-            columns += [replace(one, unit=unit) for one in known_columns(numbers[rows, 0], curve)]
+            columns += known_columns(numbers[rows, 0], curve, {name: unit})
     listed = f"the wavelengths are listed {len(sweeps)} times: each list is a separate curve"
     return Found(
         **{
@@ -477,6 +482,8 @@ def as_columns(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
     wavelengths. If the heading says ``wavelength`` above numbers, spectra are in columns.
     """
     for i, row in enumerate(rows):
+        if not row.cells or _wavelength(row.cells[0]):
+            continue
         words = next((k for k, cell in enumerate(row.cells) if _wavelength(cell)), 0)
         heads = [*map(_wavelength, row.cells[words:])] if words else []
         if len(heads) >= _FEWEST_WAVELENGTHS and all(heads) and _rises(heads):
@@ -499,7 +506,8 @@ def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[st
     >>> [row.cells for row in with_plain_wavelengths(rows)[0]]
     [('wavelength [nm]', 'column 2'), ('400', '0.5'), ('410', '0.5')]
     """
-    at = [_IN_NM.fullmatch(row.cells[0]) if row.cells else None for row in rows]
+    starts = (row.cells[0] if row.cells else "" for row in rows)
+    at = [None if start[-1:].isdigit() else _IN_NM.fullmatch(start) for start in starts]
     first = next((i for i, match in enumerate(at) if match), None)
     if first is None or sum(map(bool, at)) < 2:
         return rows, ()
@@ -535,8 +543,10 @@ def _finest(rows: list[Row], at: Sequence[float | None]) -> tuple[list[Row], tup
 
 def _wavelength(cell: str) -> str:
     """The number of a wavelength in a heading; empty if there is none."""
+    if _UNSIGNED.fullmatch(cell):
+        return cell
     match = _IN_NM.fullmatch(cell)
-    return match[1] if match else cell if _UNSIGNED.fullmatch(cell) else ""
+    return match[1] if match else ""
 
 
 def _rises(heads: Sequence[str]) -> bool:

@@ -179,7 +179,7 @@ def cells_of_line(line: str, number: int, delimiter: str, source: str) -> tuple[
     """The cells of a line, stripped of spaces; an unclosed quotation raises an error."""
     if line.count('"') % 2:
         raise refused(source, "has a quotation mark that is not closed", where=f"line {number}")
-    return tuple(cell.strip() for cell in split_line(line, delimiter))
+    return tuple(map(str.strip, split_line(line, delimiter)))
 
 
 def _heading_comment(comments: list[Row], rows: list[Row]) -> tuple[str, ...]:

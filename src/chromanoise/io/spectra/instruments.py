@@ -9,7 +9,6 @@ import io
 import math
 import re
 import struct
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -170,9 +169,7 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
     return Found(
         source=str(path),
         format=f"FITS, table in part {place}",
-        columns=tuple(
-            replace(one, unit=units[one.name]) for one in known_columns(at, curves.items())
-        ),
+        columns=known_columns(at, curves.items(), units),
         heading=f"{at_name} [{unit}]" if unit else at_name,
         words=" ".join(str(part.header.get(key, "")) for key in ("EXTNAME", "OBJECT", "TITLE")),
         defects=missing_notes(at, curves.items(), "values that are no number (NaN or TNULL)"),

@@ -7,6 +7,7 @@ versions of the schemas raise an error.
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import field
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -134,11 +135,18 @@ class Column:
 
 
 def known_columns(
-    wavelength: Float[Array, " m"], curves: Iterable[tuple[str, Float[Array, " m"]]]
+    wavelength: Float[Array, " m"],
+    curves: Iterable[tuple[str, Float[Array, " m"]]],
+    units: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Column, ...]:
     """One column per curve, at those wavelengths at which it has a finite number."""
     return tuple(
-        Column(name=name, wavelength=wavelength[known], values=values[known])
+        Column(
+            name=name,
+            unit=units.get(name, ""),
+            wavelength=wavelength[known],
+            values=values[known],
+        )
         for name, values in curves
         for known in (np.isfinite(values),)
     )
@@ -336,6 +344,16 @@ def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
     array([1., 4.])
     """
     at = in_nm(column.wavelength, unit)
+    steps = np.diff(at)
+    if steps.size and steps.min() > 0:  # most columns
+        return Sorted(
+            name=column.name,
+            wavelength_nm=at,
+            values=column.values,
+            unsorted=False,
+            merged=0,
+            conflicts_nm=(),
+        )
     order = np.argsort(at, kind="stable")
     rising, values = at[order], column.values[order]
     distinct, first, count = np.unique(rising, return_index=True, return_counts=True)
@@ -348,7 +366,7 @@ def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
         name=column.name,
         wavelength_nm=distinct,
         values=means,
-        unsorted=bool((np.diff(at) < 0).any() and not (np.diff(at) < 0).all()),
+        unsorted=bool((steps < 0).any() and not (steps < 0).all()),
         merged=int(at.size - distinct.size),
         conflicts_nm=tuple(float(w) for w in distinct[spread > 0]),
     )
@@ -362,11 +380,15 @@ def on_common(
     A curve that ends before the others is extrapolated by ``zero`` or ``hold``; with ``refuse``,
     all curves are cut to their common range.
     """
-    at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
+    at = points[0].wavelength_nm
+    if not (same := all(np.array_equal(p.wavelength_nm, at) for p in points[1:])):
+        at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
     if at.size * len(points) > _MOST_VALUES:
         need = f"must have at most {_MOST_VALUES} values"
         found = f"has {len(points)} curves at {at.size} wavelengths"
         raise refused(source, need, at.size * len(points), found)
+    if same:
+        return (at, np.stack([p.values for p in points], axis=1)), ()
     starts = [float(p.wavelength_nm[0]) for p in points]
     ends = [float(p.wavelength_nm[-1]) for p in points]
     low, high = max(starts), min(ends)
@@ -396,6 +418,8 @@ def step_nm(wavelength_nm: Float[Array, " m"]) -> float | None:
     (5.0, None)
     """
     steps = np.diff(wavelength_nm)
+    if steps.max() == steps.min():
+        return float(steps[0])
     middle = float(np.median(steps))
     return middle if np.abs(steps - middle).max() <= 1e-3 * middle else None
 

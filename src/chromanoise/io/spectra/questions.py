@@ -82,7 +82,7 @@ def judged(curves: Spectra) -> Spectra:
     """
     at = curves.wavelength_nm
     here = (at >= SENSITIVE_NM[0]) & (at <= SENSITIVE_NM[1])
-    if np.count_nonzero(here) < 2:
+    if here.all() or np.count_nonzero(here) < 2:
         return curves
     return replace(curves, wavelength_nm=at[here], values=curves.values[here])
 
@@ -215,7 +215,10 @@ def _guard_values(curves: Spectra) -> Iterator[str]:
 
 def _rounded_wavelengths(curves: Spectra) -> Iterator[str]:
     at = curves.wavelength_nm
-    steps = np.unique(np.diff(at))
+    all_steps = np.diff(at)
+    if all_steps.max() == all_steps.min():  # most tables
+        return
+    steps = np.unique(all_steps)
     whole = bool((at == np.round(at)).all())
     if whole and at.size > 10 and steps.size == 2 and steps[1] - steps[0] == 1 and steps[0] > 1:
         mean = float((at[-1] - at[0]) / (at.size - 1))
