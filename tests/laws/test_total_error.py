@@ -9,6 +9,7 @@ import pytest
 import chromanoise as cn
 from chromanoise.base.rng import stream
 from chromanoise.color import scene_xyz
+from chromanoise.metrics import viewed_covariance
 from chromanoise.spectra import Scene, colorchecker
 from chromanoise.study import (
     Viewing,
@@ -18,6 +19,7 @@ from chromanoise.study import (
     total_errors,
 )
 from chromanoise.study.analysis import electrons_at
+from chromanoise.study.color_noise import PLANE, total_errors_of
 
 DRAWS = 20_000
 
@@ -82,6 +84,42 @@ def test_where_a_matrix_loses_the_colors_the_weight_that_loses_least_is_named():
     assert again == pytest.approx(lost.least_total_error, rel=1e-9)
     bright = outcome("onyx-rgbw", lux=10)
     assert lost_colors(bright.point, bright.matrix) is None
+
+
+def test_total_errors_of_many_sensors_are_those_of_each():
+    names = ("onyx-rgb-ircut", "onyx-rgbw", "mt9v024-rgb", "onyx-rgbw-ircut")
+    levels_lux = (10, 100, 3, 0.3)
+    some = [outcome(a, lux=b, time_ms=12) for a, b in zip(names, levels_lux, strict=True)]
+    found = total_errors_of(some)
+    assert [one is None for one in found] == [False, True, False, False]
+    for one, own in zip(some, found, strict=True):
+        alone = total_errors(one.point, one.matrix)
+        if own is not None:
+            np.testing.assert_allclose(own.total, alone.total, rtol=1e-13)
+            np.testing.assert_allclose(own.bias, alone.bias, rtol=1e-10)
+    assert total_errors_of(some[2:])[0] is found[2]
+
+
+def test_the_total_error_as_viewed_adds_the_variance_that_slopes_by_differences_give():
+    one = outcome("onyx-rgbw", lux=3)
+    point, matrix = one.point, one.matrix.matrix
+    matrices = np.stack([matrix, matrix * [[1.0], [1.1], [0.9]] + 1e-6])
+    chart = colorchecker(point.sensor.grid).values.T
+    light = {"illuminant": point.illuminant, "level_lux": point.level_lux}
+    full = np.ones(chart.shape[1])
+    true, true_white = (scene_xyz(Scene(**light, reflectance=rho)) for rho in (chart, full))
+    patches, white = electrons_at(point, reflectance=chart), electrons_at(point)
+    for each, own in zip(matrices, total_error_as_viewed(point, matrices, Viewing()), strict=True):
+        seen, balanced = patches @ each.T / (each @ white), each / (each @ white)[:, None]
+        covariance = [balanced @ np.diag(e + 100.0) @ balanced.T for e in patches]  # 10 e- read
+        viewed = viewed_covariance(
+            np.array(covariance), pixels_per_degree=Viewing().pixels_per_degree, samples=PLANE
+        )
+        step = 1e-6 * np.eye(3)[:, None]
+        slope = (lab_of(seen + step, 1.0) - lab_of(seen - step, 1.0)) / 2e-6  # xyz, patch, lab
+        variance = np.einsum("ipc,pij,jpc->p", slope, viewed, slope)
+        error = np.linalg.norm(lab_of(seen, 1.0) - lab_of(true, true_white), axis=-1)
+        assert own == pytest.approx(np.sqrt(error**2 + variance).mean(), rel=1e-7)
 
 
 def test_a_saturated_sensor_has_no_total_error():

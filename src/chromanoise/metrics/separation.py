@@ -273,8 +273,8 @@ def _squared_distance_of_variances(
 ) -> Float[Array, "*m"]:
     sure = variance == 0
     endless = (sure & (difference != 0)).any(axis=-1)
-    weight = 1.0 / np.where(sure, np.inf, variance)
-    return np.where(endless, np.inf, _length(difference, direction, weight.__mul__))
+    divisor = np.where(sure, np.inf, variance)
+    return np.where(endless, np.inf, _length(difference, direction, lambda one: one / divisor))
 
 
 def _length(
