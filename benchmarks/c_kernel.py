@@ -120,7 +120,7 @@ def _job(plans: Plans, threads: int, arrays: dict[str, np.ndarray]) -> _Job:
         band_step=band_step,
         tile_rows=plans.raw.tile.shape[0],
         tile_columns=plans.raw.tile.shape[1],
-        read_noise_e=float(draw.read_noise_e),
+        read_noise_e=float(draw.reading_e),
         key=int(draw.key),
         frame=int(draw.frame),
         full_well_e=full_well_e,

@@ -62,13 +62,13 @@ def _raw(plans: Plans, out: Outputs, rows: slice) -> None:
     channel = tile[row % tile.shape[0], column % tile.shape[1]]
     mean_e = np.take_along_axis(electrons, channel[:, :, None], axis=2)[:, :, 0]
     full_well_e, dn_per_e, black_dn, top_dn = plans.raw.adc
-    noisy = np.minimum(_noisy(mean_e, plans.raw.draw.read_noise_e, rows), full_well_e)
+    noisy = np.minimum(_noisy(mean_e, plans.raw.draw.reading_e, rows), full_well_e)
     codes = np.floor(noisy * dn_per_e + black_dn + np.float32(0.5))
     out.codes[rows] = np.clip(codes, 0, top_dn)
 
 
 def _color(plans: Plans, out: Outputs, rows: slice) -> None:
-    noisy = _noisy(_electrons(plans, rows), plans.color.draw.read_noise_e, rows)
+    noisy = _noisy(_electrons(plans, rows), plans.color.draw.reading_e, rows)
     colors = noisy @ plans.color.matrices.T
     out.xyz[rows] = colors[:, :, :3]
     table = srgb_table()

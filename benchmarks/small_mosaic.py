@@ -47,7 +47,7 @@ def small_paths(cube: Cube) -> tuple[dict[str, Doing], list[str]]:
     return paths, missing
 
 
-def _electrons_by_numpy(cube: Cube, at: OperatingPoint) -> Doing:
+def _electrons_by_numpy(cube: Cube, at: OperatingPoint) -> Callable[[], np.ndarray]:
     """Expected electrons of the channel over each pixel: only these are computed."""
     light = light_of(cube, at, beyond="refuse")
     weights = light.weights[:CHANNELS, : cube.stored.shape[2]].T
@@ -64,7 +64,7 @@ def _electrons_by_numpy(cube: Cube, at: OperatingPoint) -> Doing:
     return electrons
 
 
-def _fifteen_lines(electrons: Doing, at: OperatingPoint) -> Doing:
+def _fifteen_lines(electrons: Callable[[], np.ndarray], at: OperatingPoint) -> Doing:
     pixel, top = at.sensor.pixel, 2**BITS - 1
     dn_per_e = top / pixel.full_well_e
     rng = np.random.default_rng(SEED)

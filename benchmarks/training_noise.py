@@ -38,7 +38,7 @@ def camera(read_noise_e: float, **others: object) -> CameraNoise:
         read_noise_e=np.full(3, read_noise_e),
         black_level_dn=np.full(3, 512.0),
         top_code_dn=16383.0,
-        **others,  # type: ignore[arg-type]
+        **others,
     )
 
 
