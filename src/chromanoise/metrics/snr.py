@@ -35,11 +35,15 @@ def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
     >>> round(float(snr_db(raw)["W"]), 4)
     39.9568
     """
+    decibels = _snr_db(measurement)
+    return {name: np.asarray(decibels[..., i]) for i, name in enumerate(measurement.names)}
+
+
+def _snr_db(measurement: Measurement) -> Float[Array, "*px p"]:
     signal, noise = np.abs(measurement.mean), np.sqrt(measurement.variance)
     with np.errstate(divide="ignore"):
         ratio = np.where(signal > 0, signal / np.where(signal > 0, noise, 1.0), 0.0)
-    decibels = np.asarray(decibel(ratio))
-    return {name: np.asarray(decibels[..., i]) for i, name in enumerate(measurement.names)}
+    return np.asarray(decibel(ratio))
 
 
 LEAST_COLOR = 1e-6
@@ -57,8 +61,7 @@ def signal_snr_db(color: Measurement, truth: Float[Array, "*px c"]) -> Float[Arr
         The color of the observer, in the same unit. A coordinate that is negative, or
         below ``LEAST_COLOR`` times the truth, is not a signal, however small its noise is.
     """
-    decibels = np.stack(list(snr_db(color).values()), axis=-1)
-    return np.where(color.mean > LEAST_COLOR * np.abs(truth), decibels, np.nan)
+    return np.where(color.mean > LEAST_COLOR * np.abs(truth), _snr_db(color), np.nan)
 
 
 def optimal_linear_snr_db(raw: Measurement) -> Float[Array, "*px"]:

@@ -133,7 +133,7 @@ class Stages:
         """True where practically every reading of a channel is the same code of the converter."""
         return one_code(self.expected_e, self.point.sensor, self.point.exposure)
 
-    @property
+    @cached_property
     def without_snr(self) -> Bool[Array, "*px"]:
         """True where no SNR of a color is defined: a channel is saturated, or gives one code."""
         return np.asarray((self.saturated | self.one_code).any(axis=-1))
@@ -150,7 +150,7 @@ class Stages:
         moments = sensor_moments(self.expected_e, noise.temporal, self.readout)
         return raw_measurement(moments, sensor.names)
 
-    @property
+    @cached_property
     def truth_xyz(self) -> Float[Array, "*px 3"]:
         """X, Y, Z for the observer of the matrix. [lx]"""
         truth = scene_xyz(self.scene, self.matrix.metric, self.matrix.observer)
@@ -427,7 +427,7 @@ class Analysis:
     patch: Spectra | None = None
     pairs: PatchPairs | None = None
 
-    @property
+    @cached_property
     def without_snr(self) -> Bool[Array, " p"]:
         """Channels whose SNR is undefined: saturated, or with one code."""
         return np.asarray(self.saturated | self.one_code)
@@ -635,6 +635,8 @@ def _raw_snr_db(analysis: Analysis, raw: Measurement) -> dict[str, float | None]
 
 def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
+    if analysis.temporal_raw is analysis.raw:
+        return color_snr_db(analysis)
     return _color_ratios(analysis, colored(analysis.temporal_raw, analysis.matrix))
 
 
