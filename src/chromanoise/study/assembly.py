@@ -239,14 +239,20 @@ def duplicates(study: Study) -> list[InputError]:
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
-    named = [part.model_copy(update={"name": _one_word(part.name)}) for part in study.sensors]
-    texts = [part.model_dump_json(exclude={"label"}) for part in named]
+    words = [_one_word(part.name) for part in study.sensors]
+    times = Counter(words)
+    texts = [
+        part.model_copy(update={"name": word}).model_dump_json(exclude={"label"})
+        if times[word] > 1
+        else word
+        for part, word in zip(study.sensors, words, strict=True)
+    ]
     count, seen, found = Counter(texts), Counter[str](), list[InputError]()
-    for i, (part, text) in enumerate(zip(study.sensors, texts, strict=True)):
+    for i, (text, own) in enumerate(zip(texts, words, strict=True)):
         seen[text] += 1
         if seen[text] != 2:
             continue
-        word, more = shown_word(_one_word(part.name)), count[text] - 1
+        word, more = shown_word(own), count[text] - 1
         found.append(
             InputError(
                 "name",
