@@ -685,8 +685,6 @@ def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None
     return tuple(defined(float(value)) for value in curve.snr_y_db)
 
 
-# error below 4e-3 of a standard deviation
-_BY_CUBATURE = partial(cubature, rule=gaussian_cubature(radii=5, latitudes=3, longitudes=6))
 _LAB_ALONE = replace(LAB, coordinates=("lightness", "a*", "b*"))  # without C* and Delta E*ab
 
 
@@ -779,7 +777,8 @@ def _total_errors(charts: Sequence[_ChartSeen]) -> list[TotalError]:
         unit="1",
     )
     color = NoisyColor(xyz=relative, white=np.ones(3))
-    noise = propagate(color, _LAB_ALONE, _BY_CUBATURE).measurement
+    rule = gaussian_cubature(radii=5, latitudes=3, longitudes=6)  # 4e-3 of a standard deviation
+    noise = propagate(color, _LAB_ALONE, partial(cubature, rule=rule)).measurement
     every = _total_error(noise, np.concatenate([one.truth_lab for one in charts]))
     ends = np.cumsum([len(one.truth_lab) for one in charts])[:-1]
     parts = (np.split(own, ends) for own in (every.bias, every.noise, every.total))

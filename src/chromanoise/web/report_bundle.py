@@ -8,13 +8,15 @@ import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jinja2
 from markupsafe import Markup, escape
 
 from chromanoise.base import __version__, palette_css
 from chromanoise.charts import coordinate_mathml, mathml
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 _DRAW = "charts/draw"
 
@@ -111,8 +113,10 @@ def _asset(name: str) -> str:
     return resources.files("chromanoise").joinpath(_DRAW, name).read_text("utf-8")
 
 
-def environment() -> jinja2.Environment:
+def environment() -> "Environment":
     """The environment of all templates, with the filter ``symbols`` (`with_symbols`)."""
+    import jinja2  # 12 ms, which commands without a report need not wait for
+
     made = jinja2.Environment(
         autoescape=True,
         undefined=jinja2.StrictUndefined,
