@@ -10,8 +10,11 @@ def main(arguments: list[str] | None = None) -> None:
     """The command ``chromanoise``; Ctrl-C during the imports prints no traceback.
 
     Pydantic has no plugins here; to look for them it reads the metadata of every installed package.
+    Matrices are small: more threads of OpenBLAS take a third of the processor time of ``analyze``,
+    and no command is faster with them.
     """
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         with paused_collection():
             from chromanoise.cli.entry import run
