@@ -18,6 +18,7 @@ from noise import noise_race, ns_per_sample
 from out_of_core import file_race
 from races import Ratio, Times, raced, ratio
 from small_mosaic import peak_of_cube, small_cube, small_paths
+from startup import HEADING
 from table import Row, Skipped, plain_table
 from whole_pictures import gigabytes_per_second, picture_rows, pictures_race
 
@@ -137,7 +138,10 @@ def main() -> None:
         print(plain_table(new), flush=True)
         rows += new
     if asked.write:
-        TARGET.write_text(document(rows, reading, (at_start, os.getloadavg()[0])))
+        _, heading, others = TARGET.read_text(encoding="utf-8").partition(HEADING)
+        page = document(rows, reading, (at_start, os.getloadavg()[0]))
+        whole = f"{page.rstrip()}\n\n{heading}{others}" if heading else page
+        TARGET.write_text(whole, encoding="utf-8")
         print(f"written: {TARGET}")
 
 

@@ -22,6 +22,7 @@ from chromanoise.spectra import Cube
 
 SIDE, BANDS, BITS = 512, 66, 12
 Doing = Callable[[], object]
+Electrons = Callable[[], np.ndarray]
 
 
 def small_cube() -> Cube:
@@ -47,7 +48,7 @@ def small_paths(cube: Cube) -> tuple[dict[str, Doing], list[str]]:
     return paths, missing
 
 
-def _electrons_by_numpy(cube: Cube, at: OperatingPoint) -> Callable[[], np.ndarray]:
+def _electrons_by_numpy(cube: Cube, at: OperatingPoint) -> Electrons:
     """Expected electrons of the channel over each pixel: only these are computed."""
     light = light_of(cube, at, beyond="refuse")
     weights = light.weights[:CHANNELS, : cube.stored.shape[2]].T
@@ -64,7 +65,7 @@ def _electrons_by_numpy(cube: Cube, at: OperatingPoint) -> Callable[[], np.ndarr
     return electrons
 
 
-def _fifteen_lines(electrons: Callable[[], np.ndarray], at: OperatingPoint) -> Doing:
+def _fifteen_lines(electrons: Electrons, at: OperatingPoint) -> Doing:
     pixel, top = at.sensor.pixel, 2**BITS - 1
     dn_per_e = top / pixel.full_well_e
     rng = np.random.default_rng(SEED)
@@ -79,7 +80,7 @@ def _fifteen_lines(electrons: Callable[[], np.ndarray], at: OperatingPoint) -> D
     return codes
 
 
-def _prysm(electrons: Doing, at: OperatingPoint) -> Doing:
+def _prysm(electrons: Electrons, at: OperatingPoint) -> Doing:
     pixel = at.sensor.pixel
     detector = importlib.import_module("prysm.detector").Detector(
         dark_current=0,
@@ -93,7 +94,7 @@ def _prysm(electrons: Doing, at: OperatingPoint) -> Doing:
     return lambda: detector.expose(electrons())
 
 
-def _getframes(electrons: Doing, at: OperatingPoint) -> Doing:
+def _getframes(electrons: Electrons, at: OperatingPoint) -> Doing:
     getframes, pixel = importlib.import_module("getframes"), at.sensor.pixel
     config = getframes.CameraConfig(
         name="paper",

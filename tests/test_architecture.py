@@ -1,7 +1,7 @@
 """The house of docs/design.md: folders in the order of the light, nothing heavy at the door."""
 
 import ast
-import importlib
+import os
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,11 +9,11 @@ from types import SimpleNamespace
 import pytest
 
 import size
+from chromanoise.cli import main
 from processes import printed
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "chromanoise"
-BENCHMARKS = ROOT / "benchmarks"
 
 
 def imported_by(statement: str) -> set[str]:
@@ -64,6 +64,31 @@ def test_analyze_imports_no_library_that_it_does_not_use():
     )
     assert "chromanoise.study.analysis" in imported
     assert not unused & imported
+
+
+def test_a_run_without_a_report_loads_no_templates(tmp_path):
+    study = tmp_path / "one.toml"
+    study.write_text('schema = 1\n[[sensors]]\nname = "onyx-rgb"\n', encoding="utf-8")
+    arguments = ["run", str(study), "-o", str(tmp_path / "out")]
+    imported = imported_by(
+        "import contextlib, io\n"
+        "from chromanoise.cli import main\n"
+        "with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):\n"
+        f"    main({arguments})"
+    )
+    assert (tmp_path / "out" / "study.json").exists()
+    assert "jinja2" not in imported
+
+
+@pytest.mark.parametrize(("given", "used"), [(None, "1"), ("2", "2")])
+def test_a_command_has_one_thread_of_openblas_unless_told_otherwise(monkeypatch, given, used):
+    name = "OPENBLAS_NUM_THREADS"
+    monkeypatch.setenv(name, given or "")
+    if given is None:
+        monkeypatch.delenv(name)
+    with pytest.raises(SystemExit):
+        main(["--version"])
+    assert os.environ[name] == used
 
 
 LIGHT = """
@@ -188,16 +213,6 @@ def test_no_module_but_one_generates_the_methods_of_a_class():
     )
     texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
     assert {path.name for path, text in texts.items() if standard.search(text)} == {"immutable.py"}
-
-
-@pytest.mark.parametrize("path", sorted(BENCHMARKS.glob("*.py")), ids=lambda p: p.stem)
-def test_every_name_that_a_benchmark_imports_is_there(path):
-    """They run for minutes, so they are not run here; a moved name would break them unseen."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("chromanoise"):
-            module = importlib.import_module(node.module)
-            for alias in node.names:
-                assert hasattr(module, alias.name), f"{node.module}.{alias.name}"
 
 
 MOST_MODULES = {"prnu": 12, "row_noise_e": 6}

@@ -55,7 +55,12 @@ def test_thinning_an_uneven_front_keeps_its_ends_and_fills_its_gaps():
     assert {0, len(costs) - 1} <= set(left)
     assert np.diff(np.sort(first[left])).max() < 0.06
     assert (thinned(costs, 2000) == np.arange(len(costs))).all()
-    crowded = sorted(set(range(900)) - set(left))[400:402]
+
+
+def test_thinning_keeps_the_members_it_is_told_to_even_if_they_are_more():
+    first = np.concatenate([np.linspace(0, 0.1, 900), np.linspace(0.1, 1, 100)[1:]])
+    costs = np.stack([first, 1 - first], axis=1)
+    crowded = sorted(set(range(900)) - set(thinned(costs, 50)))[400:402]
     kept = thinned(costs, 50, keep=crowded)
     assert kept.size == 50
     assert {0, *crowded, len(costs) - 1} <= set(kept)

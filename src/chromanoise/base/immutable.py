@@ -192,13 +192,13 @@ _MOST_KEPT = 64
 def kept_of_each(
     function: Callable[[Sequence[_Object]], Sequence[_Result]],
 ) -> Callable[[Sequence[_Object]], list[_Result]]:
-    """A decorator as `kept`, for a function that finds the results of many objects at once.
+    """A decorator as `kept`, of a function that finds the results of many objects at once.
 
     Parameters
     ----------
     function
-        Of objects that are compared by identity, to one result each. It is called with those whose
-        result is not kept.
+        Takes objects, which are compared by identity, and returns one result for each. It is
+        called with those whose result is not kept.
     """
     known: WeakKeyDictionary[_Object, _Result] = WeakKeyDictionary()
 

@@ -244,8 +244,7 @@ def _at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
     steps = _steps(path)
     value = owners[-1]
     for one in reversed(owners):
-        kind: Any = type(one)
-        if _has(kind, steps[0]):
+        if _has(one.__class__, steps[0]):
             value = one
             break
     for step in steps:

@@ -7,13 +7,10 @@ from contextlib import contextmanager
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """The command ``chromanoise``; Ctrl-C during the imports prints no traceback.
-
-    Pydantic has no plugins here; to look for them it reads the metadata of every installed package.
-    Matrices are small: more threads of OpenBLAS take a third of the processor time of ``analyze``,
-    and no command is faster with them.
-    """
+    """The command ``chromanoise``; Ctrl-C during the imports prints no traceback."""
+    # pydantic has no plugins here, and looks for them in the metadata of every package
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    # matrices are small: more threads cost a third more processor time and save none
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         with paused_collection():

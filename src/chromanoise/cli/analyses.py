@@ -52,7 +52,7 @@ from chromanoise.study import (
     Step,
     Study,
     Verdict,
-    answers_of,
+    answer_of,
     conditions_of,
     default_of,
     failures_of,
@@ -91,7 +91,13 @@ def print_run(
     def report(what: str, done: bool) -> None:
         click.echo(f"{what}{' (already done)' if done else ''}", err=True)
 
+    sentences: list[str] = []
     results: list[dict[str, Any]] = []
+
+    def collect(result: dict[str, Any]) -> None:
+        sentences.extend(answer_of(result) if answers else ())
+        results.extend([result] if asked else ())
+
     files = run_study(
         study,
         out,
@@ -99,11 +105,10 @@ def print_run(
         planned=planned,
         report=report,
         progress=progress_of_step,
-        found=results.append if answers or fail_if else None,
+        collect=collect if answers or fail_if else None,
         place=place,
     )
-    if answers:
-        print_lines(answers_of(results))
+    print_lines(list(dict.fromkeys(sentences)))
     for file in files:
         click.echo(file)
     return failures_of(asked, lambda: results, [one.stem for one in files])

@@ -244,7 +244,7 @@ def srgb_slope(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line
 _UV = np.array([1.0, 15.0, 3.0])  # CIE 015:2018, eq. 8.25: X + 15 Y + 3 Z
 LAB_FROM_CUBE_ROOTS = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
-"""Slopes of L*, a*, b* over the f of X/Xn, Y/Yn and Z/Zn (CIE 015:2018, eq. 8.3-8.5)."""
+"""Slopes of `lab_of_cube_roots` (CIE 015:2018, eq. 8.3-8.5)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -431,8 +431,8 @@ def _cube_root(t: Array) -> Array:
 
 
 def cube_root_slope(t: Float[Array, "*px"]) -> Float[Array, "*px"]:
-    """Slope of the f of CIELAB."""
-    return 1 / (3 * np.cbrt(np.maximum(t, _DELTA**3)) ** 2)  # constant in the linear segment
+    """Slope of the f of CIELAB (CIE 015:2018, eq. 8.6-8.8); constant in the linear segment. [1]"""
+    return 1 / (3 * np.cbrt(np.maximum(t, _DELTA**3)) ** 2)
 
 
 def _chromaticity(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2"]:

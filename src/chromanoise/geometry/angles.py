@@ -16,8 +16,8 @@ from chromanoise.base import (
 from chromanoise.geometry.dual_basis import DualBasis
 from chromanoise.spectra import Metric
 
-_KNOWN_INFLATION = 1e8  # above, it has fewer digits than a fit
-_SURELY_NEARER = 0.99
+_LARGEST_EXACT_VIF = 1e8  # above, rounding in G^-1 makes the fit more accurate
+_NEARLY = 0.99  # fits decide between channels whose VIF differ by less
 
 
 def variance_inflation(frame: DualBasis) -> Float[Array, " p"]:
@@ -111,9 +111,9 @@ def nearest_mix(frame: DualBasis) -> NearestMix | None:
     """
     if len(frame.names) < 2:
         return None
-    inflation = variance_inflation(frame)  # 1 over the squared sine of the angle
-    known = inflation.max() < _KNOWN_INFLATION
-    near = np.flatnonzero(inflation >= (_SURELY_NEARER * inflation.max() if known else 0.0))
+    vif = variance_inflation(frame)  # 1 over the squared sine of the angle
+    largest = vif.max()
+    near = np.flatnonzero(vif >= (_NEARLY * largest if largest < _LARGEST_EXACT_VIF else 0.0))
     return min((_mix(frame, int(i)) for i in near), key=lambda mix: mix.angle_deg)
 
 

@@ -257,8 +257,8 @@ def _squared_distance(
     sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))  # variances of 1 keep the digits
     scale = np.where(sd > 0, sd, 1.0)
     correlation = covariance / scale[..., None] / scale[..., None, :]
-    weigh = partial(_solved, correlation)
-    return _length(difference / scale, None if direction is None else direction / scale, weigh)
+    along = None if direction is None else direction / scale
+    return _squared_length(difference / scale, along, partial(_solved, correlation))
 
 
 def _solved(correlation: Float[Array, "*m p p"], vector: Float[Array, "*m p"]) -> Array:
@@ -274,21 +274,23 @@ def _squared_distance_of_variances(
     sure = variance == 0
     endless = (sure & (difference != 0)).any(axis=-1)
     divisor = np.where(sure, np.inf, variance)
-    return np.where(endless, np.inf, _length(difference, direction, lambda one: one / divisor))
+    return np.where(
+        endless, np.inf, _squared_length(difference, direction, lambda one: one / divisor)
+    )
 
 
-def _length(
+def _squared_length(
     difference: Float[Array, "*m p"],
     direction: Float[Array, "*m p"] | None,
-    weigh: Callable[[Array], Array],
+    solved: Callable[[Array], Array],
 ) -> Float[Array, "*m"]:
-    """d^T S^-1 d, with ``weigh`` for S^-1; of d less its component along a direction, if any."""
+    """d^T S^-1 d, where ``solved(v)`` is S^-1 v; a part of d along a direction is removed first."""
     if direction is not None:
-        toward = weigh(direction)
+        toward = solved(direction)
         length, along = _dot(direction, toward), _dot(difference, toward)
         share = along / np.where(length > 0, length, 1.0)
         difference = difference - share[..., None] * direction
-    return np.asarray(np.maximum(_dot(difference, weigh(difference)), 0.0))
+    return np.asarray(np.maximum(_dot(difference, solved(difference)), 0.0))
 
 
 def _dot(one: Float[Array, "*m p"], other: Float[Array, "*m p"]) -> Float[Array, "*m"]:

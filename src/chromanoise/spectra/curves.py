@@ -281,7 +281,7 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
     sampled = on_grid(spectra, grid, beyond=beyond)
     known, at = spectra.wavelength_nm, grid.wavelength_nm
     steps = np.diff(known)
-    if steps.min() >= grid.step_nm or np.median(steps) >= grid.step_nm:
+    if steps.min() >= grid.step_nm or np.median(steps) >= grid.step_nm:  # imports numpy.ma
         return sampled
     half = np.clip(np.minimum(at - known[0], known[-1] - at), 0.0, grid.step_nm / 2)
     wide = half > 1e-3 * grid.step_nm

@@ -143,7 +143,7 @@ class PatchPairs:
         return tuple((patches[i], patches[j]) for i, j in self.indices)
 
 
-@lru_cache(maxsize=16)  # by identity: every sensor of a study is asked about the same patches
+@lru_cache(maxsize=16)  # all sensors of a study share them; the result holds its key
 def all_pairs(patches: Spectra) -> PatchPairs:
     """Each patch with each other one: 276 pairs for the 24 patches of a ColorChecker.
 

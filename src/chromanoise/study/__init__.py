@@ -300,7 +300,7 @@ if TYPE_CHECKING:
         RecordedRun as RecordedRun,
         agreement_of as agreement_of,
         agreement_text as agreement_text,
-        answers_of,
+        answer_of,
         read_record as read_record,
         recorded_run as recorded_run,
         refuse_other_pictures as refuse_other_pictures,

@@ -7,7 +7,7 @@ the patches of a chart.
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -78,7 +78,6 @@ from chromanoise.spectra import (
     PatchPairs,
     Scene,
     Spectra,
-    chart_on,
     chart_title,
     color_axes,
     observer_notes,
@@ -136,7 +135,7 @@ class Stages:
     @cached_property
     def without_snr(self) -> Bool[Array, "*px"]:
         """True where no SNR of a color is defined: a channel is saturated, or gives one code."""
-        return np.asarray((self.saturated | self.one_code).any(axis=-1))
+        return check.frozen((self.saturated | self.one_code).any(axis=-1))
 
     @cached_property
     def temporal_raw(self) -> Measurement:
@@ -154,7 +153,7 @@ class Stages:
     def truth_xyz(self) -> Float[Array, "*px 3"]:
         """X, Y, Z for the observer of the matrix. [lx]"""
         truth = scene_xyz(self.scene, self.matrix.metric, self.matrix.observer)
-        return _at_levels(truth, self.level_lux)
+        return check.frozen(_at_levels(truth, self.level_lux))
 
     @cached_property
     def contravariant(self) -> Measurement:
@@ -284,14 +283,6 @@ def stages_at(
         clipping=clipping,
         lux_per_e=lux_per_e,
     )
-
-
-@kept  # total error and distances are of the same patches
-def chart_stages(analysis: "Analysis") -> Stages:
-    """Every stage of each patch of the chart of an analysis, with its matrix and readout."""
-    reflectance = chart_on(analysis.sensor.grid, analysis.chart).values.T
-    readout = analysis.readout
-    return stages_at(analysis.point, analysis.matrix, reflectance=reflectance, readout=readout)
 
 
 def noisy_color_at(stages: Stages, white: Float[Array, " 3"]) -> NoisyColor:
@@ -545,11 +536,13 @@ def analyzed(
     )
 
 
-@lru_cache(maxsize=64)  # every output of the chart uses it
 def of_white(analysis: Analysis) -> Analysis:
     """The analysis of a perfect white at the same point; the analysis itself without a patch."""
-    if analysis.patch is None:
-        return analysis
+    return analysis if analysis.patch is None else _of_white(analysis)
+
+
+@kept  # every output of the chart uses it
+def _of_white(analysis: Analysis) -> Analysis:
     white = analyzed(
         white_scene(analysis.point),
         analysis.sensor,

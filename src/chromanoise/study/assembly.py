@@ -243,22 +243,22 @@ def duplicates(study: Study) -> list[InputError]:
     times = Counter(words)
     texts = [
         part.model_copy(update={"name": word}).model_dump_json(exclude={"label"})
-        if times[word] > 1
+        if times[word] > 1  # else no other sensor can be the same
         else word
         for part, word in zip(study.sensors, words, strict=True)
     ]
     count, seen, found = Counter(texts), Counter[str](), list[InputError]()
-    for i, (text, own) in enumerate(zip(texts, words, strict=True)):
+    for i, (text, word) in enumerate(zip(texts, words, strict=True)):
         seen[text] += 1
         if seen[text] != 2:
             continue
-        word, more = shown_word(own), count[text] - 1
+        shown, more = shown_word(word), count[text] - 1
         found.append(
             InputError(
                 "name",
                 "must not be repeated with the same settings",
-                value=word,
-                found=f"{word!r} is {'repeated' if more == 1 else f'given {more + 1} times'}",
+                value=shown,
+                found=f"{shown!r} is {'repeated' if more == 1 else f'given {more + 1} times'}",
                 remedy=(
                     f"change one in a study file, e.g. sensors.{i}.filter",
                     "omit one" if more == 1 else f"omit {more}",

@@ -5,8 +5,7 @@ total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the co
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from functools import cache, cached_property, lru_cache, partial
 from typing import ClassVar, NamedTuple
 
@@ -80,8 +79,6 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra, chart_on, flat_field
 from chromanoise.study.analysis import (
     Analysis,
-    Stages,
-    chart_stages,
     color_snr_db,
     electrons_at,
     noisy_color_at,
@@ -685,9 +682,6 @@ def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None
     return tuple(defined(float(value)) for value in curve.snr_y_db)
 
 
-_LAB_ALONE = replace(LAB, coordinates=("lightness", "a*", "b*"))  # without C* and Delta E*ab
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TotalError:
     """Bias, noise and total error of each patch of the chart, as root mean squares.
@@ -737,9 +731,7 @@ def total_errors(
     InputError
         If the grid extends beyond 400-1050 nm, the range of the chart's data.
     """
-    reflectance = chart_on(operating_point.sensor.grid, operating_point.chart).values.T
-    stages = partial(stages_at, operating_point, matrix, reflectance=reflectance, readout=readout)
-    chart = _chart_seen(operating_point, matrix, stages)
+    chart = _chart_seen(operating_point, matrix, readout)
     if chart is None or method is None:
         return None if chart is None else _total_errors([chart])[0]
     return _total_error(propagate(chart.color, LAB, method).measurement, chart.truth_lab)
@@ -753,15 +745,19 @@ class _ChartSeen(NamedTuple):
 
 
 def _chart_seen(
-    point: OperatingPoint, matrix: ColorMatrix, stages: Callable[[], Stages]
+    point: OperatingPoint, matrix: ColorMatrix, readout: Readout | None
 ) -> _ChartSeen | None:
-    sensor, exposure = point.sensor, point.exposure
+    sensor, exposure, chart = point.sensor, point.exposure, point.chart
     electrons = electrons_at(point)
     white = matrix.matrix @ electrons
     if saturated(electrons, sensor, exposure).any() or not (white > 0).all():
         return None
-    lab = chart_lab(sensor, matrix, exposure, point.illuminant, point.chart)
-    return None if lab is None else _ChartSeen(noisy_color_at(stages(), white), lab[0])
+    lab = chart_lab(sensor, matrix, exposure, point.illuminant, chart)
+    if lab is None:
+        return None
+    reflectance = chart_on(sensor.grid, chart).values.T
+    stages = stages_at(point, matrix, reflectance=reflectance, readout=readout)
+    return _ChartSeen(noisy_color_at(stages, white), lab[0])
 
 
 def _total_errors(charts: Sequence[_ChartSeen]) -> list[TotalError]:
@@ -777,8 +773,10 @@ def _total_errors(charts: Sequence[_ChartSeen]) -> list[TotalError]:
         unit="1",
     )
     color = NoisyColor(xyz=relative, white=np.ones(3))
-    rule = gaussian_cubature(radii=5, latitudes=3, longitudes=6)  # 4e-3 of a standard deviation
-    noise = propagate(color, _LAB_ALONE, partial(cubature, rule=rule)).measurement
+    # error below 4e-3 of a standard deviation
+    rule = gaussian_cubature(radii=5, latitudes=3, longitudes=6)
+    method = partial(cubature, rule=rule, differences=False)
+    noise = propagate(color, LAB, method).measurement
     every = _total_error(noise, np.concatenate([one.truth_lab for one in charts]))
     ends = np.cumsum([len(one.truth_lab) for one in charts])[:-1]
     parts = (np.split(own, ends) for own in (every.bias, every.noise, every.total))
@@ -808,7 +806,7 @@ def total_errors_of(analyses: Sequence[Analysis]) -> list[TotalError | None]:
     charts = [
         None
         if None in color_snr_db(of_white(one)).values()
-        else _chart_seen(one.point, one.matrix, partial(chart_stages, one))
+        else _chart_seen(one.point, one.matrix, one.readout)
         for one in analyses
     ]
     seen = [one for one in charts if one is not None]

@@ -57,7 +57,7 @@ from chromanoise.noise import (
 )
 from chromanoise.sensor import Converter
 from chromanoise.spectra import PatchPairs, Spectra, all_pairs, chart_on, chart_title, is_infrared
-from chromanoise.study.analysis import Analysis, Stages, chart_stages, electrons_at, stages_at
+from chromanoise.study.analysis import Analysis, Stages, electrons_at, stages_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
 
 BRIGHT, DARK = 0.18, 0.12
@@ -613,8 +613,6 @@ def separation_of(analysis: Analysis) -> Separation | None:
 
 def _patches_at(analysis: Analysis, pairs: PatchPairs) -> Stages:
     """The patches of the pairs, as they are read."""
-    if pairs.patches is chart_on(analysis.sensor.grid, analysis.chart):
-        return chart_stages(analysis)
     return stages_at(
         analysis.point,
         analysis.matrix,

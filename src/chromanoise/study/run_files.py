@@ -67,16 +67,10 @@ class RecordedRun:
     folder: Path
 
 
-def answers_of(results: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The first sentence of each result of a run that has sentences, each once.
-
-    Parameters
-    ----------
-    results
-        As ``run_study`` gives them to ``found``.
-    """
-    judged = (one.get("verdict") or one for one in results)
-    return list(dict.fromkeys(text for one in judged for text in one.get("sentences", [])[:1]))
+def answer_of(result: Mapping[str, Any]) -> list[str]:
+    """The first sentence of a result of `run_study` as plain data; empty if it has no sentences."""
+    sentences: list[str] = (result.get("verdict") or result).get("sentences", [])
+    return sentences[:1]
 
 
 def run_study(
@@ -87,7 +81,7 @@ def run_study(
     planned: Callable[[Sequence[Step]], object] = len,
     report: Report | None = None,
     progress: Progress = no_progress,
-    found: Callable[[dict[str, Any]], object] | None = None,
+    collect: Callable[[dict[str, Any]], object] | None = None,
     place: Path | None = None,
 ) -> list[Path]:
     """Run all steps of a study; a stopped run continues with the missing results.
@@ -106,8 +100,8 @@ def run_study(
         Called for each step.
     progress
         Called for each step, to report its finished parts.
-    found
-        Called for each step with its result as plain data, also if it was done before.
+    collect
+        Called with the result of each step as plain data, also of steps that were done before.
     place
         The folder to which the file names are relative; it is the working folder of this process
         while the study runs. The current working folder if ``None``.
@@ -156,10 +150,10 @@ def run_study(
                         "result": result.to_dict(),
                     }
                     _write(scratch / f"{step.name}.json", who | document)
-            elif found:
+            elif collect:
                 document = read_record(results / f"{step.name}.json")
-            if found:
-                found(document["result"])
+            if collect:
+                collect(document["result"])
     return [folder / f"{step.name}.json" for step in steps]
 
 

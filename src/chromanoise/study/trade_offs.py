@@ -203,7 +203,6 @@ class TradeOff:
             at = np.arange(max(0, best - _STRIDE), min(self.weights.size, best + _STRIDE + 1))
         return float(totals.min()), best
 
-    @kept
     def place(self, color_error: float) -> float | None:
         """Where the least noise with at most that color error is; ``None`` where no matrix has it.
 
@@ -672,8 +671,8 @@ def total_error_as_viewed(
     white = np.where(known[:, None], matrices @ chart.white_e, 1.0)
     balanced = matrices / white[..., None]
     pairs = balanced[:, :, None, :, None] * balanced[:, None, :, None]
-    shares = _lab_variance_as_viewed(viewing.pixels_per_degree)
-    of_slopes = shares @ pairs.reshape(len(matrices), _COLORS**2, -1) @ chart.flat_patches_e2
+    weights = _lab_variance_weights(viewing.pixels_per_degree)
+    of_slopes = weights @ pairs.reshape(len(matrices), _COLORS**2, -1) @ chart.flat_patches_e2
     slope = np.swapaxes(cube_root_slope(np.where(known[:, None, None], seen, 1.0)), -1, -2)
     slopes = (slope[:, :, None] * slope[:, None]).reshape(of_slopes.shape)
     return np.asarray(
@@ -682,15 +681,15 @@ def total_error_as_viewed(
 
 
 @lru_cache(maxsize=32)
-def _lab_variance_as_viewed(pixels_per_degree: float) -> Float[Array, "9 9"]:
-    """From the covariance of X, Y, Z in one pixel, what the products of two slopes are weighed by.
+def _lab_variance_weights(pixels_per_degree: float) -> Float[Array, "9 9"]:
+    """W of Var L* + Var a* + Var b* as viewed = sum f'_i f'_j w[ij, kl] C[k, l].
 
-    The sum is the variance of L*, a* and b*; the slopes are of the cube roots.
+    C is the covariance of X, Y, Z in one pixel, f' the slopes of their cube roots.
     """
     each = np.eye(_COLORS**2).reshape(-1, _COLORS, _COLORS)
     viewed = viewed_covariance(each, pixels_per_degree=pixels_per_degree, samples=PLANE)
-    weights = LAB_FROM_CUBE_ROOTS.T @ LAB_FROM_CUBE_ROOTS
-    return np.asarray((viewed * weights).reshape(_COLORS**2, -1).T)
+    of_lab = LAB_FROM_CUBE_ROOTS.T @ LAB_FROM_CUBE_ROOTS
+    return check.frozen((viewed * of_lab).reshape(_COLORS**2, -1).T)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -786,7 +785,8 @@ def equal_color(
         )
     least = _common_error(trades)
     most = min(float(one.color_error.max()) for one in trades)
-    noise = _noises(trades, least)
+    places = [_reached(one, least) for one in trades]
+    noise = np.array([one.noise_at(at) for one, at in zip(trades, places, strict=True)])
     order = np.argsort(noise, kind="stable")
     behind_db = decibel(noise / noise[order[0]])
     margin_db = float(behind_db[order[1]])
@@ -810,11 +810,12 @@ def equal_color(
             *_turns("light [lx]", lit, levels, common, first, changes_db, colorless),
             *_turns("color error [Delta E*ab]", errors, same, errors, first, changes_db, colorless),
         ]
-    snr_db = np.array([_gray_snr_db(one, least) for one in trades])
+    snr_db = np.array([_gray_snr_db(*one) for one in zip(trades, places, strict=True)])
     lost_db = behind_db + (snr_db - snr_db[order[0]])
     numbers = np.stack([behind_db, snr_db, lost_db], axis=-1).tolist()
     every = [
-        _standing(trade, least, colorless, *own) for trade, own in zip(trades, numbers, strict=True)
+        _standing(trade, at, colorless, *own)
+        for trade, at, own in zip(trades, places, numbers, strict=True)
     ]
     return EqualColor(
         trade_offs=trades,
@@ -865,13 +866,12 @@ def _refuse_other_light(points: Sequence[OperatingPoint]) -> None:
 
 def _standing(
     trade: TradeOff,
-    least: float,
+    place: float,
     colorless: float,
     behind_db: float,
     gray_snr_db: float,
     lost_in_matrix_db: float,
 ) -> Standing:
-    place = _reached(trade, least)
     total, _ = trade.least_total_error()
     return Standing(
         name=trade.point.sensor.name,
@@ -890,8 +890,8 @@ def _standing(
     )
 
 
-def _gray_snr_db(trade: TradeOff, color_error: float) -> float:
-    point, channels = trade.point, trade.channels_at(_reached(trade, color_error))
+def _gray_snr_db(trade: TradeOff, place: float) -> float:
+    point, channels = trade.point, trade.channels_at(place)
     gray = with_noise(GRAY * electrons_at(point), point.sensor, point.exposure)
     used = np.flatnonzero(np.isin(gray.names, channels))
     of_used = replace(

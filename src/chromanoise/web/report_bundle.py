@@ -16,7 +16,7 @@ from chromanoise.base import __version__, palette_css
 from chromanoise.charts import coordinate_mathml, mathml
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
+    import jinja2
 
 _DRAW = "charts/draw"
 
@@ -113,7 +113,7 @@ def _asset(name: str) -> str:
     return resources.files("chromanoise").joinpath(_DRAW, name).read_text("utf-8")
 
 
-def environment() -> "Environment":
+def environment() -> "jinja2.Environment":
     """The environment of all templates, with the filter ``symbols`` (`with_symbols`)."""
     import jinja2  # 12 ms, which commands without a report need not wait for
 

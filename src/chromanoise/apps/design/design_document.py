@@ -434,7 +434,7 @@ class DesignPart(Part):
         "gradients.",
     )
     members: Annotated[int, Field(ge=1, le=10_000)] = Field(
-        100, description="Largest number of sensors of the front, besides extremes and knee."
+        100, description="Largest number of sensors of the front, extremes and knee included."
     )
 
     @after

@@ -402,9 +402,10 @@ def thinned(
     Parameters
     ----------
     keep
-        Indices of members that stay, even if they are more than ``most``.
+        Indices of members that always stay, even where they are more than ``most``.
     """
-    left, stays = np.arange(len(costs)), np.isin(np.arange(len(costs)), keep)
+    left = np.arange(len(costs))
+    stays = np.isin(left, keep)
     most = max(most, int(stays.sum()))
     while left.size > most:
         surplus = left.size - most
@@ -566,7 +567,7 @@ def front_of(
     values, objectives, violation
         As in `chromanoise.apps.design.FrontResult`.
     most
-        Largest number of members; extremes and knee are always kept.
+        Largest number of members; extremes and knee stay even if they are more.
     sensor_of
         The sensor of values (d,) and a name.
     """

@@ -22,7 +22,6 @@ from chromanoise.io.spectra.parsed import LARGEST, Column, Found, Row, known_col
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _PLAIN = re.compile(r"\d{1,20}(\.\d{0,20})?", re.ASCII)
-_PLAIN_ROW = re.compile(rf"{_PLAIN.pattern}(\0{_PLAIN.pattern})*", re.ASCII)  # \0: in no cell
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
 _NUMERAL = re.compile(r"[-+]?[.,]?\d|[-+]?(?:nan|inf)", re.IGNORECASE)
@@ -163,13 +162,15 @@ def _with_wavelengths_first(
     """
     for i, row in enumerate(rows):
         k = next((k for k, cell in enumerate(row.cells) if is_wavelength_heading(cell)), None)
-        first = [] if k is None else [*_numbers_below(rows[i + 1 : i + 5], k, comma)]
-        if k is None or len(row.cells) < 2 or len(first) < 2:
+        if k is None or len(row.cells) < 2:
+            continue
+        below = rows[i + 1 :]
+        if len([*_numbers_below(below[:4], k, comma)]) < 2:
             continue
         drop = [
             j
             for j, name in enumerate(row.cells)
-            if j != k and _is_no_curve(name, _numbers_below(rows[i + 1 :], k, comma), j, comma)
+            if j != k and _is_no_curve(name, _numbers_below(below, k, comma), j, comma)
         ]
         if any(j not in drop for j in range(k)) or len(drop) == len(row.cells) - 1 or not drop:
             return rows, ()
@@ -295,7 +296,7 @@ def _numbers(
             raise has(source, need, len(cells), where=f"{where} {row.number}", remedy=remedy)
         if len(row.cells) < width:
             short.append(row.number)
-        if _PLAIN_ROW.fullmatch("\0".join(cells)):  # most rows
+        if all(map(_PLAIN.fullmatch, cells)):  # most rows
             table.append([*map(float, cells), *[_NAN] * (width - len(cells))])
             continue
         table.append([_NAN] * width)
@@ -306,11 +307,12 @@ def _numbers(
                 place = f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}"
                 cures = ("correct it", "remove the row")
                 raise refused(source, need, cell, where=place, remedy=cures)
+    numbers = np.array(table)
     if not short:
-        return np.array(table), ()
-    numbers = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
-    which = f"{where} {numbers} has" if len(short) == 1 else f"{where}s {numbers} have"
-    return np.array(table), (f"ragged rows: {which} fewer than {width} cells",)
+        return numbers, ()
+    listed = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
+    which = f"{where} {listed} has" if len(short) == 1 else f"{where}s {listed} have"
+    return numbers, (f"ragged rows: {which} fewer than {width} cells",)
 
 
 def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:

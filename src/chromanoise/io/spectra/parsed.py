@@ -139,7 +139,10 @@ def known_columns(
     curves: Iterable[tuple[str, Float[Array, " m"]]],
     units: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[Column, ...]:
-    """One column per curve, at those wavelengths at which it has a finite number."""
+    """One column per curve, at those wavelengths at which it has a finite number.
+
+    Units are by name; empty where none is given.
+    """
     return tuple(
         Column(
             name=name,
@@ -381,7 +384,8 @@ def on_common(
     all curves are cut to their common range.
     """
     at = points[0].wavelength_nm
-    if not (same := all(np.array_equal(p.wavelength_nm, at) for p in points[1:])):
+    same = all(np.array_equal(p.wavelength_nm, at) for p in points[1:])
+    if not same:
         at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
     if at.size * len(points) > _MOST_VALUES:
         need = f"must have at most {_MOST_VALUES} values"
@@ -418,7 +422,7 @@ def step_nm(wavelength_nm: Float[Array, " m"]) -> float | None:
     (5.0, None)
     """
     steps = np.diff(wavelength_nm)
-    if steps.max() == steps.min():
+    if steps.max() == steps.min():  # most tables
         return float(steps[0])
     middle = float(np.median(steps))
     return middle if np.abs(steps - middle).max() <= 1e-3 * middle else None

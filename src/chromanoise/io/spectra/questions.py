@@ -215,10 +215,7 @@ def _guard_values(curves: Spectra) -> Iterator[str]:
 
 def _rounded_wavelengths(curves: Spectra) -> Iterator[str]:
     at = curves.wavelength_nm
-    all_steps = np.diff(at)
-    if all_steps.max() == all_steps.min():  # most tables
-        return
-    steps = np.unique(all_steps)
+    steps = np.unique(np.diff(at))
     whole = bool((at == np.round(at)).all())
     if whole and at.size > 10 and steps.size == 2 and steps[1] - steps[0] == 1 and steps[0] > 1:
         mean = float((at[-1] - at[0]) / (at.size - 1))
