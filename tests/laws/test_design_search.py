@@ -1,5 +1,6 @@
 """A search finds known fronts and optima, and a stopped one continues with the same digits."""
 
+import re
 from dataclasses import replace
 from functools import cache, partial
 
@@ -22,9 +23,10 @@ from chromanoise.apps.design.pareto_front import (
     assessed,
     non_dominated,
 )
-from chromanoise.apps.design.search import SearchOptions, searched_front
+from chromanoise.apps.design.search import Progress, SearchOptions, searched_front
 from chromanoise.base import packages
 from chromanoise.base.errors import InputError
+from chromanoise.cli import design_commands
 from design_problems import bnh, bowl, dtlz2, half_plane, problem_of, rosenbrock, same, zdt1
 from outcomes import refused_input
 
@@ -763,3 +765,31 @@ def test_candidates_are_ranked_as_in_pymoo(seed, objectives, enough):
     ranked = NonDominatedSorting().do(costs, n_stop_if_ranked=enough)
     for ours, theirs in zip(_fronts(costs, enough), ranked, strict=True):
         np.testing.assert_array_equal(ours, theirs)
+
+
+def test_a_search_estimates_its_time_from_what_it_did_after_its_preparation(monkeypatch, capsys):
+    told = design_commands._reporter(("f1",))
+    none = np.empty((0, 1))
+    for at_s, done, gradients, most in (
+        (0, 100, 0, 0),
+        (20, 100, 0, 0),
+        (40, 300, 0, 0),
+        (60, 500, 0, 900),  # the polish compiles
+        (160, 500, 0, 900),
+        (170, 500, 100, 900),
+        (190, 500, 300, 900),
+    ):
+        monkeypatch.setattr(design_commands.time, "monotonic", lambda at_s=at_s: 1e6 + at_s)
+        told(
+            Progress(
+                generation=1,
+                evaluations=done,
+                budget=500,
+                values=none,
+                objectives=none,
+                gradients=gradients,
+                most_gradients=most,
+            )
+        )
+    lines = capsys.readouterr().err.splitlines()
+    assert [re.search(r"about ([\d.]+ \w+) left", line)[1] for line in lines] == ["40 s", "60 s"]

@@ -108,33 +108,33 @@ def optimize(
 
 def _reporter(objectives: tuple[str, ...]) -> Any:
     """A function that prints the front of a running search, then its polish, every ten seconds."""
-    start = reported = time.monotonic()
-    first: int | None = None
-    polished_from: float | None = None
+    reported = time.monotonic()
+    search: tuple[float, int] | None = None  # time and evaluations of the first report
+    polish: tuple[float, int] | None = None  # of the first gradients: compiling is over
 
     def report(now: "Progress") -> None:
-        nonlocal first, reported, polished_from
-        first = now.evaluations if first is None else first
+        nonlocal reported, search, polish
         moment = time.monotonic()
-        if polished_from is None and now.most_gradients:
-            polished_from = reported = moment
-        if moment - reported < _REPORTED_EVERY_S:
+        search = search or (moment, now.evaluations)
+        if polish is None and now.gradients:
+            polish, reported = (moment, now.gradients), moment
+        (start, first), done, most = search, now.evaluations, now.budget
+        if now.most_gradients:
+            (start, first), done, most = polish or (moment, 0), now.gradients, now.most_gradients
+        if done == first or moment - reported < _REPORTED_EVERY_S:
             return
         reported = moment
-        if polished_from is not None:
-            share = max(now.gradients, 1) / now.most_gradients
-            left_s = (moment - polished_from) * (1 / share - 1)
+        left = duration((moment - start) * (most - done) / (done - first))
+        if now.most_gradients:
             click.echo(
-                f"polish of the front: {now.gradients} of at most about {now.most_gradients} "
-                f"gradients, at most about {duration(left_s)} left",
+                f"polish of the front: {done} of at most about {most} gradients, at most about "
+                f"{left} left",
                 err=True,
             )
             return
-        done = now.evaluations - first
-        left = (moment - start) * (now.budget - now.evaluations) / done if done else 0.0
         click.echo(
-            f"{now.evaluations} of {now.budget} sensors, about {duration(left)} left before the "
-            f"polish; {_front_so_far(now, objectives)}",
+            f"{done} of {most} sensors, about {left} left before the polish; "
+            f"{_front_so_far(now, objectives)}",
             err=True,
         )
 

@@ -103,12 +103,13 @@ class _Chart:
     @cached_property
     def truth_lab(self) -> Float[Array, "k 3"]:
         """L*, a*, b* of ``truth``."""
-        return balanced_cielab(self.truth)
+        return check.frozen(balanced_cielab(self.truth))
 
     @cached_property
     def flat_patches_e2(self) -> Float[Array, "p2 k"]:
         """``patches_e2`` as columns. [e-^2]"""
-        return np.ascontiguousarray(self.patches_e2.reshape(len(self.patches_e2), -1).T)
+        columns = self.patches_e2.reshape(len(self.patches_e2), -1).T
+        return check.frozen(np.ascontiguousarray(columns))
 
     @cached_property
     def colorless_error(self) -> float:
