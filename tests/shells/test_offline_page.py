@@ -36,7 +36,7 @@ for path in ("answer", "csv", "texts", *PREPARED):
 table = b"wavelength_nm,QE W\\n" + b"\\n".join(b"%d,0.5" % nm for nm in range(400, 1051, 10))
 assert b"A sensor: 1 curve" in page.reply("/api/upload", table, "flat.csv").content
 (fault,) = json.loads(page.reply("/api/report", body).content)["faults"]
-assert "without jinja2" in fault["sentence"], fault
+assert "without markupsafe" in fault["sentence"], fault
 """
 
 
