@@ -122,7 +122,10 @@ def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
             return value.tolist()
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {name: _written(one, keys, owners) for name, one in value.items()}
+        return {
+            name: defined(one) if type(one) is float else _written(one, keys, owners)
+            for name, one in value.items()
+        }
     if isinstance(value, list | tuple):
         return [_written(one, keys, owners) for one in value]
     if isinstance(value, float):

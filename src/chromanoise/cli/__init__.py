@@ -12,6 +12,7 @@ def main(arguments: list[str] | None = None) -> None:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # matrices are small: more threads cost a third more processor time and save none
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(20_000)  # results are kept: more collections would free little
     try:
         with paused_collection():
             from chromanoise.cli.entry import run

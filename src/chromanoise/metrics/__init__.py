@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         mean_chart_errors,
         metamerism as metamerism,
         sensor_metamerism as sensor_metamerism,
+        truth_lab,
     )
     from chromanoise.metrics.budget import (
         CORRELATION,

@@ -152,7 +152,7 @@ def _chart_lab(
     seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
     if not (seen[0] > 0).all():
         return None
-    truth = balanced_cielab(_balanced_truth(illuminant, matrix.observer, chart))
+    truth = truth_lab(illuminant, matrix.observer, chart)
     return truth, balanced_cielab(seen[1:] / seen[0])
 
 
@@ -227,6 +227,12 @@ def balanced_truth(point: OperatingPoint) -> Float[Array, "c 3"]:
         Its light, chart and observer.
     """
     return _balanced_truth(point.illuminant, point.observer, point.chart).copy()
+
+
+@kept
+def truth_lab(illuminant: Illuminant, observer: str, chart: Spectra | None) -> Float[Array, "c 3"]:
+    """L*, a*, b* of each patch of a chart for an observer; do not change them."""
+    return check.frozen(balanced_cielab(_balanced_truth(illuminant, observer, chart)))
 
 
 @kept

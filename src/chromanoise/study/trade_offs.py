@@ -37,7 +37,7 @@ from chromanoise.color import (
     cie1976_difference,
     cube_root_slope,
 )
-from chromanoise.metrics import balanced_truth, optimal_linear_snr_db, viewed_covariance
+from chromanoise.metrics import optimal_linear_snr_db, truth_lab, viewed_covariance
 from chromanoise.noise import OperatingPoint, coarsely_converted, saturated, with_noise
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
 from chromanoise.study.analysis import electrons_at
@@ -85,8 +85,8 @@ class _Chart:
 
     Attributes
     ----------
-    truth
-        X, Y, Z of the patches over those of the white, for the observer. [1]
+    truth_lab
+        L*, a*, b* of the patches for the observer.
     white_e
         Electrons of the white. [e-]
     patches
@@ -95,15 +95,10 @@ class _Chart:
         Covariance of the electrons of each patch. [e-^2]
     """
 
-    truth: Float[Array, "k 3"]
+    truth_lab: Float[Array, "k 3"]
     white_e: Float[Array, " p"]
     patches: Float[Array, "k p"]
     patches_e2: Float[Array, "k p p"]
-
-    @cached_property
-    def truth_lab(self) -> Float[Array, "k 3"]:
-        """L*, a*, b* of ``truth``."""
-        return check.frozen(balanced_cielab(self.truth))
 
     @cached_property
     def flat_patches_e2(self) -> Float[Array, "p2 k"]:
@@ -114,7 +109,8 @@ class _Chart:
     @cached_property
     def colorless_error(self) -> float:
         """Color error of a gray picture of the right lightness, without noise. [Delta E*ab]"""
-        return float(np.linalg.norm(self.truth_lab[:, 1:], axis=-1).mean())
+        a, b = self.truth_lab[:, 1], self.truth_lab[:, 2]
+        return float(np.sqrt(a * a + b * b).mean())
 
     def seen(self, matrices: Float[Array, "q 3 p"]) -> Float[Array, "q k 3"]:
         """X, Y, Z over those of the white; NaN where those are not above 0. [1]"""
@@ -134,7 +130,7 @@ def _chart_of(point: OperatingPoint) -> _Chart:
     reflectance = chart_on(point.sensor.grid, point.chart).values.T
     patches_e = electrons_at(point, reflectance=reflectance)
     return _Chart(
-        truth=balanced_truth(point),
+        truth_lab=truth_lab(point.illuminant, point.observer, point.chart),
         white_e=white_e,
         patches=patches_e / np.where(white_e > 0, white_e, 1.0),
         patches_e2=with_noise(patches_e, point.sensor, point.exposure).covariance,
@@ -589,7 +585,7 @@ def _along_light(
     sensor, exposure = point.sensor, point.exposure
     chart = _chart_of(point)
     why = NO_LIGHT if not chart.white_e.max() > 0 else ""
-    if not np.isfinite(chart.truth).all():
+    if not np.isfinite(chart.truth_lab).all():
         why = NO_COLOR
     elif not chart.colorless_error >= _PALE:
         why = NO_CHART
