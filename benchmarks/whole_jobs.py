@@ -95,7 +95,7 @@ def jobs(folder: Path) -> dict[str, tuple[list[str], float, float | None]]:
     return {
         "report of ten sensors": (["report", "ten.toml", "-o", "ten.html"], 5.0, None),
         "card of two sensors": (["card", *TEN[:2], "-o", "two.pdf"], 2.0, None),
-        f"{SENSORS:,} sensors, 24 patches, 50 light levels, to JSON": (
+        f"{SENSORS:,} sensors, 24 patches, 50 light levels, no budgets, to JSON": (
             ["run", "many.toml", "-o", out],
             5.0,
             500.0,

@@ -508,6 +508,14 @@ def test_a_sensor_is_not_compared_where_the_steps_of_its_converter_hide_its_nois
         assert bright.winner != "coarse"
 
 
+def test_three_equal_channels_are_an_answer_and_no_warning():
+    at = DEFAULT_GRID.wavelength_nm[:, None]
+    qe = 0.5 * np.exp(-0.5 * ((at - 650.0) / 40.0) ** 2) * np.ones((1, 3))
+    equal = replace(sensor_named("onyx-rgb", DEFAULT_GRID), name="equal", qe=qe)
+    found = cn.analyze(equal, "onyx-rgb", lux=10.0).verdict
+    assert [one.name for one in found.at_equal_color.left_out] == ["equal"]
+
+
 def test_a_sensor_that_reaches_no_color_error_of_the_others_is_not_compared():
     at = DEFAULT_GRID.wavelength_nm[:, None]
     qe = 0.4 * np.exp(-0.5 * ((at - np.array([850.0, 900.0, 950.0])) / 30.0) ** 2)

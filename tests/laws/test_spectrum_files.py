@@ -622,3 +622,15 @@ def test_a_file_of_very_many_curves_is_refused_at_once(file):
         read_curves(path)
     # 33 times the names; by pairs of names it would be 1,100 times
     assert time.process_time() - start < 150 * accepted_s
+
+
+@pytest.mark.parametrize(("above", "advice"), [(1, "correct it"), (130, "percent")])
+def test_few_values_above_1_are_errors_and_many_are_percent(tmp_path, above, advice):
+    values = np.full(198, 0.4)
+    values[:above] = 45.0
+    rows = [f"{400 + 10 * i},{a},{b},{c}" for i, (a, b, c) in enumerate(values.reshape(66, 3))]
+    file = tmp_path / "mixed.csv"
+    file.write_text("\n".join(["wavelength_nm,R,G,B", *rows]), encoding="utf-8")
+    with pytest.raises(cn.InputError) as refused:
+        cn.analyze(str(file))
+    assert advice in str(refused.value)

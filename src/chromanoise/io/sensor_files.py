@@ -176,6 +176,7 @@ def _flag(value: Any) -> bool:
 
 
 _WIDE_GAP_NM = 30.0
+_MOST_OF_PERCENT = 0.1  # share of values above 1: with fewer, these are errors
 
 
 def read_sensor(
@@ -217,7 +218,8 @@ def _remedy(curves: Spectra, answers: Answers) -> Remedy:
     """What to do about a QE that is not between 0 and 1."""
     if curves.values.max() <= 1:
         return SMALL_NEGATIVES
-    if curves.values.max() <= FRACTION_AT_MOST or answers.scale == "percent":
+    few = (curves.values > 1).mean() < _MOST_OF_PERCENT
+    if few or curves.values.max() <= FRACTION_AT_MOST or answers.scale == "percent":
         return "correct it"
     return Setting("scale", ("percent",))
 

@@ -619,7 +619,8 @@ def _along_light(
     visual = noise_as_viewed(*given, matrices, viewing, place=at)
     row, in_e2 = matrices[:, None, 1], with_noise(*given).covariance[at]
     noise_lux = np.sqrt(((row @ in_e2) * row).sum(axis=(-1, -2)))
-    snr_y_db = decibel((row[:, 0] * white_e[able][at]).sum(axis=-1) / noise_lux)
+    white_lux = np.maximum((row[:, 0] * white_e[able][at]).sum(axis=-1), 0.0)  # below, no signal
+    snr_y_db = decibel(white_lux / noise_lux)
     for k, mine in enumerate(weights):
         own, level_lux = place == k, levels_lux[able[k]]
         same = level_lux == point.level_lux
