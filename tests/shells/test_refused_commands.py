@@ -1,6 +1,7 @@
 """Refusals of the command line: fields, the options that they name, and no file that changes."""
 
 import os
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ CURVES = "wavelength_nm,R,G\n" + "".join(
 )
 FILES = {
     "over.csv": CURVES.replace("500,0.05,0.4", "500,0.05,40"),
+    "percent.csv": re.sub(r",0\.", ",1.", CURVES).replace("500,1.05,1.4", "500,1.05,400"),
     "negative.csv": CURVES.replace("450,0.05,0.1", "450,-0.05,0.1"),
     "nan.csv": CURVES.replace("420,0.05,0.1", "420,nan,0.1"),
     "short.csv": CURVES[: CURVES.index("710,")],
@@ -114,7 +116,8 @@ CASES = [
         value="builtin:chequer",
     ),
     # files of curves
-    case("analyze over.csv", "over.csv", "G", "500 nm", "40", "--percent", **SENSOR),
+    case("analyze over.csv", "over.csv", "G", "500 nm", "40", "correct it", **SENSOR),
+    case("analyze percent.csv", "percent.csv", "R", "--percent", **SENSOR),
     case("analyze negative.csv", "negative.csv", "R", "450 nm", "-0.05", **SENSOR),
     case("analyze nan.csv", "nan.csv", "line 4", "R", "nan", **SENSOR),
     case("analyze short.csv", "short.csv", "700 nm", "--beyond", "zero", "hold", **SENSOR),
