@@ -23,7 +23,7 @@ from chromanoise.base import Array, Float, InputError, Integer, check, cholesky,
 from chromanoise.noise import Measurement, ReadingDistribution, through
 
 _LEAST_SHARE = 1e-14  # of a variance in the mean of two
-_ROUNDING = 1e-26  # of a squared distance: a part below is none
+_ROUNDING = 1e-26  # share of a squared distance below which only rounding is left
 _AT_ONCE = 20_000  # numbers of an intermediate result
 _NODES = 512  # measured error: 2e-6 for two coordinates, 5e-7 for more
 _FARTHEST = 24.0  # 1 / cosh(24) = 8e-11
