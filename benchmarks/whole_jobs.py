@@ -63,7 +63,7 @@ def of_sensors(names: Sequence[str]) -> str:
 
 
 def many_sensors(folder: Path) -> None:
-    """Files of the curves of many sensors, and a study of all of them over 50 light levels."""
+    """Files of the curves of many sensors; studies of all at 50 levels, with budgets or without."""
     rng = np.random.default_rng(3)
     at = np.arange(400, 1051, 10.0)
     names = []
@@ -83,23 +83,21 @@ def many_sensors(folder: Path) -> None:
         )
     sweep = '[[sweeps]]\nvary = "lux"\nfirst = 0.1\nlast = 100\npoints = 50\nquantity = "snr-y"\n'
     head, sensors = of_sensors(names).split("\n", 1)
-    keys = 'matrices = ["kernel"]\n[outputs]\nbudget = false\n'
-    (folder / "many.toml").write_text(f"{head}\n{keys}{sensors}{sweep}")
+    for name, more in (("many", "[outputs]\nbudget = false\n"), ("budgets", "")):
+        text = f'{head}\nmatrices = ["kernel"]\n{more}{sensors}{sweep}'
+        (folder / f"{name}.toml").write_text(text)
 
 
 def jobs(folder: Path) -> dict[str, tuple[list[str], float, float | None]]:
     """Arguments of each command, and its limits: processor time [s] and peak memory [MB]."""
     (folder / "ten.toml").write_text(of_sensors(TEN))
     many_sensors(folder)
-    out = str(folder / "out")
+    out, job = str(folder / "out"), f"{SENSORS:,} sensors, 24 patches, 50 light levels"
     return {
         "report of ten sensors": (["report", "ten.toml", "-o", "ten.html"], 5.0, None),
         "card of two sensors": (["card", *TEN[:2], "-o", "two.pdf"], 2.0, None),
-        f"{SENSORS:,} sensors, 24 patches, 50 light levels, no budgets, to JSON": (
-            ["run", "many.toml", "-o", out],
-            5.0,
-            500.0,
-        ),
+        f"{job}, no budgets, to JSON": (["run", "many.toml", "-o", out], 5.0, 500.0),
+        f"{job}, with budgets, to JSON": (["run", "budgets.toml", "-o", out], 5.0, 500.0),
     }
 
 
