@@ -24,13 +24,16 @@ if TYPE_CHECKING:
         truth_lab,
     )
     from chromanoise.metrics.budget import (
+        CONTRAVARIANT,
         CORRELATION,
         FILTERS,
         INFRARED,
         REST,
         WEIGHTS,
         Budget as Budget,
+        BudgetRequest as BudgetRequest,
         Cost as Cost,
+        budgets_of as budgets_of,
         color_budget as color_budget,
         contravariant_budget as contravariant_budget,
         faintest_change as faintest_change,

@@ -72,18 +72,20 @@ as above.
 The infrared carries almost no signal here, because H is almost zero there.
 """
 
-from collections.abc import Callable, Container, Sequence
-from dataclasses import replace
-from functools import cache
-from typing import ClassVar
+from collections.abc import Callable, Container, Iterator, Sequence
+from dataclasses import fields, replace
+from functools import cache, cached_property
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
 from chromanoise.base import (
     RANK_TOLERANCE,
     Array,
+    Bool,
     Float,
     InputError,
+    Int,
     JsonKey,
     JsonKeys,
     check,
@@ -97,6 +99,7 @@ from chromanoise.base import (
     pinv,
     svd,
     unit_columns,
+    variances_along,
     warn_of_old_name,
 )
 from chromanoise.color import LAB, XYZ, ColorMatrix
@@ -164,11 +167,19 @@ def shapley_values(
     >>> shapley_values(worth.__getitem__, "ab", precedence=[("a", "b")])
     {'a': 1.0, 'b': 4.0}
     """
-    worth = cache(value)
-    return {
-        name: sum(share * (worth(after) - worth(after - {name})) for after, share in steps)
-        for name, steps in _steps(tuple(players), tuple(precedence)).items()
-    }
+    names, before = tuple(players), tuple(precedence)
+    worth = np.array([value(each) for each in allowed_sets(names, before)])
+    return dict(zip(names, _shapley(worth, names, before).tolist(), strict=True))
+
+
+def _shapley(
+    worth: Float[Array, "*k s"], players: tuple[str, ...], precedence: tuple[tuple[str, str], ...]
+) -> Float[Array, "*k c"]:
+    """`shapley_values` of many games, from the worth of each of the `allowed_sets`."""
+    steps = _steps(players, precedence)
+    return np.stack(
+        [(worth[..., one.after] - worth[..., one.before]) @ one.share for one in steps], axis=-1
+    )
 
 
 @cache
@@ -211,33 +222,44 @@ def allowed_sets(
     return tuple(found)
 
 
+class _Steps(NamedTuple):
+    """The sets that a player completes, as indices of those after and before it, and the share of
+    the orders in which it does.
+    """
+
+    after: Int[Array, " n"]
+    before: Int[Array, " n"]
+    share: Float[Array, " n"]
+
+
 @cache
-def _steps(
-    players: tuple[str, ...], precedence: tuple[tuple[str, str], ...]
-) -> dict[str, tuple[tuple[Switches, float], ...]]:
-    """For each player: the sets that it completes, and the share of the orders in which it does.
+def _steps(players: tuple[str, ...], precedence: tuple[tuple[str, str], ...]) -> tuple[_Steps, ...]:
+    """The steps of each player.
 
     Orders are counted by the sets that they pass, instead of one by one: 11 players have 40 million
     orders, but 2,048 sets.
     """
     sets = allowed_sets(players, precedence)  # smaller sets come first
-    allowed = frozenset(sets)
+    place = {each: i for i, each in enumerate(sets)}
     ways_to = {sets[0]: 1}
     for after in sets[1:]:
-        ways_to[after] = sum(ways_to[after - {n}] for n in after if after - {n} in allowed)
+        ways_to[after] = sum(ways_to[after - {n}] for n in after if after - {n} in place)
     ways_on = {sets[-1]: 1}
     for before in reversed(sets[:-1]):
         following = (before | {n} for n in players if n not in before)
-        ways_on[before] = sum(ways_on[after] for after in following if after in allowed)
+        ways_on[before] = sum(ways_on[after] for after in following if after in place)
     total = ways_to[sets[-1]]
-    return {
-        name: tuple(
-            (after, ways_to[after - {name}] * ways_on[after] / total)
-            for after in sets
-            if name in after and after - {name} in allowed
+    found = []
+    for name in players:
+        own = [(one - {name}, one) for one in sets if name in one and one - {name} in place]
+        found.append(
+            _Steps(
+                after=np.array([place[after] for _, after in own]),
+                before=np.array([place[before] for before, _ in own]),
+                share=np.array([ways_to[before] * ways_on[after] / total for before, after in own]),
+            )
         )
-        for name in players
-    }
+    return tuple(found)
 
 
 FILTERS, READ_NOISE, WEIGHTS = "filters", READ, "weights"
@@ -350,12 +372,12 @@ class Seen:
         of the rounded mean. Otherwise signals are electrons, which it replaces by the rounded mean.
     """
 
-    signal_e: Float[Array, " p"]
-    noise_e: Float[Array, " p"]
+    signal_e: Float[Array, "*k p"]
+    noise_e: Float[Array, "*k p"]
     is_change: bool = False
 
     @property
-    def sought_e(self) -> Float[Array, " p"]:
+    def sought_e(self) -> Float[Array, "*k p"]:
         """The signal for which the best linear readout is optimized: all electrons, or a change."""
         return self.signal_e if self.is_change else self.noise_e
 
@@ -376,13 +398,13 @@ class Channels:
 
     without_infrared: Seen
     with_infrared: Seen
-    row: Float[Array, " p"]
-    single_row: Float[Array, " p"]
+    row: Float[Array, "*k p"]
+    single_row: Float[Array, "*k p"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Chain:
-    """All that the causes switch between.
+    """All that the causes switch between, of one or many coordinates of sensors with equal noise.
 
     Attributes
     ----------
@@ -401,15 +423,35 @@ class Chain:
         Of the sensor; no cause if it cannot be inverted, as the curves without it are unknown.
     """
 
-    photons_db: float
+    photons_db: Float[Array, "*k"]
     channels: Channels
     before_crosstalk: Channels | None
     noise: NoiseSources
     crosstalk: Crosstalk | None = None
     behind_cut: Channels | None = None
 
+    @property
+    def is_change(self) -> bool:
+        """Whether the signals are changes of the light: as `Seen.is_change`."""
+        return self.channels.with_infrared.is_change
 
-def rounded_share(seen: Seen, noise: NoiseSources) -> Float[Array, " p"]:
+
+_Record = TypeVar("_Record", Seen, Channels, Chain)
+
+
+def _merged(of_arrays: Callable[[Sequence[Array]], Array], *records: _Record) -> _Record:
+    """Records of one structure as one, whose arrays are ``of_arrays`` of theirs."""
+    found: dict[str, Any] = {}
+    for one in fields(records[0]):
+        values = [getattr(record, one.name) for record in records]
+        if isinstance(values[0], np.ndarray):
+            found[one.name] = of_arrays(values)
+        elif isinstance(values[0], Seen | Channels):
+            found[one.name] = _merged(of_arrays, *values)
+    return replace(records[0], **found)
+
+
+def rounded_share(seen: Seen, noise: NoiseSources) -> Float[Array, "*k p"]:
     """Ratio of the signal of each channel after rounding to that before; 1 for a fine step. [1]
 
     Parameters
@@ -420,25 +462,26 @@ def rounded_share(seen: Seen, noise: NoiseSources) -> Float[Array, " p"]:
         The noise sources of each pixel.
     """
     mean = seen.noise_e
-    if not noise.rounding_is_coarse(mean).any():
+    coarse = noise.rounding_is_coarse(mean).any(axis=-1, keepdims=True)
+    if not coarse.any():
         return np.ones_like(mean)
     if not seen.is_change:
-        return 1 + noise.rounded(mean)[0] / np.where(mean > 0, mean, 1.0)
+        return np.where(coarse, 1 + noise.rounded(mean)[0] / np.where(mean > 0, mean, 1.0), 1.0)
     step = _SLOPE_STEP * np.sqrt(1 + mean)
     below, above = np.maximum(mean - step, 0.0), mean + step
-    return 1 + (noise.rounded(above)[0] - noise.rounded(below)[0]) / (above - below)
+    slope = (noise.rounded(above)[0] - noise.rounded(below)[0]) / (above - below)
+    return np.where(coarse, 1 + slope, 1.0)
 
 
-def _is_rounded(chain: Chain) -> bool:
+def _is_rounded(chain: Chain) -> Bool[Array, "*k"]:
     """Whether rounding depends on the other noise: the step of a channel exceeds its noise."""
-    if after_counting(chain.crosstalk) is not None:
-        return False
-    return any(
-        chain.noise.rounding_is_coarse(seen.noise_e).any()
-        for of in (chain.channels, chain.before_crosstalk)
-        if of is not None
-        for seen in (of.with_infrared, of.without_infrared)
-    )
+    found = np.zeros(np.shape(chain.photons_db), dtype=bool)
+    if not chain.noise.step_e or after_counting(chain.crosstalk) is not None:
+        return found
+    for of in (chain.channels, chain.before_crosstalk):
+        for seen in () if of is None else (of.with_infrared, of.without_infrared):
+            found |= chain.noise.rounding_is_coarse(seen.noise_e).any(axis=-1)
+    return found
 
 
 def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
@@ -471,14 +514,14 @@ def noise_causes(chain: Chain) -> frozenset[str]:
     The infrared is a part of the signal, unless that is a change of the light.
     """
     excluded = {WEIGHTS, CORRELATION}
-    if not chain.channels.with_infrared.is_change:
+    if not chain.is_change:
         excluded.add(INFRARED)
     return frozenset(causes_of(chain)) - excluded
 
 
 def counting_snr_db(
-    light: Float[Array, " n"], change: Float[Array, " n"], photons_per_unit_light: float
-) -> float:
+    light: Float[Array, " n"], change: Float[Array, "*k n"], photons_per_unit_light: float
+) -> Float[Array, "*k"]:
     """SNR of a change of light for a detector that counts every photon with its wavelength. [dB]
 
     Parameters
@@ -497,12 +540,12 @@ def counting_snr_db(
 
     Examples
     --------
-    >>> counting_snr_db(np.array([4.0, 0.0, 6.0]), np.array([4.0, 0.0, 6.0]), 10.0)  # 100 photons
+    >>> lamp = np.array([4.0, 0.0, 6.0])
+    >>> float(counting_snr_db(lamp, lamp, 10.0))        # 100 photons
     20.0
     """
     squares = change**2 / np.where(light > 0, light, 1.0)
-    snr = np.sqrt(photons_per_unit_light * squares[light > 0].sum())
-    return float(decibel(np.asarray(snr)))
+    return decibel(np.sqrt(photons_per_unit_light * squares[..., light > 0].sum(axis=-1)))
 
 
 def without_infrared(scene: Scene) -> Scene:
@@ -511,14 +554,9 @@ def without_infrared(scene: Scene) -> Scene:
     return replace(scene, reflectance=scene.reflectance * visible)
 
 
-def chain_snr_db(chain: Chain, on: Switches) -> float:
-    """SNR of the readout with the given causes switched on. [dB]"""
-    return float(chain_snrs_db(chain, [on])[0])
-
-
-def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
+def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, "*k s"]:
     """SNR of the readout for each set of causes. [dB]"""
-    result = np.full(len(sets), chain.photons_db)
+    result = np.repeat(np.asarray(chain.photons_db)[..., None], len(sets), axis=-1)
     groups: dict[tuple[bool, ...], list[int]] = {}
     rounded = _is_rounded(chain)
     for i, on in enumerate(sets):
@@ -538,138 +576,193 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
             coupling = after_counting(chain.crosstalk)
             noise = chain.noise if pattern else noise
         own = [sets[i] for i in rows]
-        result[rows] = _snrs_db(seen, row, coupling, noise, own, rounded=rounded)
+        result[..., rows] = _snrs_db(seen, row, coupling, noise, own, rounded)
     return result
 
 
 def _added_e2(
     noise: NoiseSources,
-    mean_e: Float[Array, " p"],
+    mean_e: Float[Array, "*k p"],
     sets: Sequence[Switches],
     drawn: Container[Drawn] = ALL,
-) -> Float[Array, "s p"]:
+) -> Float[Array, "*k s p"]:
     """Variance of sources that each set switches on, without shot noise. [e-^2]"""
     values = noise.by_source(mean_e)
     names = [one.cause for one in noise.sources if one.drawn in drawn and one.cause != SHOT]
-    on = np.array([[name in each for name in names] for each in sets])
-    return (on[..., None] * np.stack([values[name] for name in names])).sum(axis=1)
+    total = np.zeros((*mean_e.shape[:-1], len(sets), mean_e.shape[-1]))
+    for name in names:
+        if values[name].any():
+            on = np.array([name in each for each in sets])
+            total += on[:, None] * values[name][..., None, :]
+    return total
 
 
 def _snrs_db(
     seen: Seen,
-    row: Float[Array, " p"] | None,
+    row: Float[Array, "*k p"] | None,
     coupling: Float[Array, "p p"] | None,
     noise: NoiseSources,
     sets: Sequence[Switches],
-    *,
-    rounded: bool,
-) -> Float[Array, " s"]:
+    rounded: Bool[Array, "*k"],
+) -> Float[Array, "*k s"]:
     """SNR of a row, or of the best linear readout where it is ``None``. [dB]"""
     if coupling is not None:
         return _coupled_snrs_db(seen, row, coupling, noise, sets)
-    variance = seen.noise_e + _added_e2(noise, seen.noise_e, sets)
-    signal_e, sought_e = seen.signal_e, seen.sought_e
-    if rounded:  # after all other noise: `chain_budget`
+    variance = seen.noise_e[..., None, :] + _added_e2(noise, seen.noise_e, sets)
+    signal_e, sought_e = seen.signal_e[..., None, :], seen.sought_e[..., None, :]
+    if rounded.any():  # after all other noise: `_order`
         on = np.array([QUANTIZATION in each for each in sets])[:, None]
-        share = np.where(on, rounded_share(seen, noise), 1.0)
-        variance = np.where(on, noise.rounded(seen.noise_e)[1], variance)
+        on = on & rounded[..., None, None]
+        share = np.where(on, rounded_share(seen, noise)[..., None, :], 1.0)
+        variance = np.where(on, noise.rounded(seen.noise_e)[1][..., None, :], variance)
         signal_e, sought_e = share * signal_e, share * sought_e
-    rows = sought_e / np.where(variance > 0, variance, 1.0) if row is None else row[None]
-    signal = np.abs((rows * signal_e).sum(axis=1))
-    return np.asarray(decibel(signal / np.sqrt((rows**2 * variance).sum(axis=1))))
+    best = sought_e / np.where(variance > 0, variance, 1.0)
+    rows = best if row is None else row[..., None, :]
+    signal = np.abs((rows * signal_e).sum(axis=-1))
+    return decibel(signal / np.sqrt((rows**2 * variance).sum(axis=-1)))
 
 
 def _coupled_snrs_db(
     seen: Seen,
-    row: Float[Array, " p"] | None,
+    row: Float[Array, "*k p"] | None,
     coupling: Float[Array, "p p"],
     noise: NoiseSources,
     sets: Sequence[Switches],
-) -> Float[Array, " s"]:
+) -> Float[Array, "*k s"]:
     """The same with crosstalk after counting, which correlates the readings. [dB]"""
     counted = counted_electrons(seen.noise_e, coupling)
-    inside = counted + _added_e2(noise, counted, sets, ALL - READ_OUT)
+    inside = counted[..., None, :] + _added_e2(noise, counted, sets, ALL - READ_OUT)
     after = _added_e2(noise, counted, sets, READ_OUT)
     if row is None:
         covariance = congruence(coupling, diagonal(inside)) + diagonal(after)
-        rows = pinv("noise with crosstalk", covariance) @ seen.sought_e
+        best = pinv("noise with crosstalk", covariance)
+        rows = (best @ seen.sought_e[..., None, :, None])[..., 0]
     else:
-        rows = row[None]
-    variance = ((rows @ coupling) ** 2 * inside + rows**2 * after).sum(axis=1)
-    return np.asarray(decibel(np.abs(rows @ seen.signal_e) / np.sqrt(variance)))
+        rows = row[..., None, :]
+    variance = ((rows @ coupling) ** 2 * inside + rows**2 * after).sum(axis=-1)
+    signal = np.abs((rows * seen.signal_e[..., None, :]).sum(axis=-1))
+    return decibel(signal / np.sqrt(variance))
 
 
-def chain_budget(
-    chain: Chain,
-    coordinate: str,
-    causes: tuple[str, ...],
-    readings: dict[str, str],
-    *,
-    snr_db: float,
-    counted_infrared: bool = False,
-) -> Budget:
-    """The costs and gains of all causes; the difference that remains to ``snr_db`` is the rest.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Asked:
+    """Coordinates of one sensor whose budgets have the same causes.
 
-    Parameters
+    Attributes
     ----------
-    chain
-        The chain of ``coordinate``.
+    coordinates
+        Their names, as those of the leading axis of the chain.
     causes
-        The causes that are switched: `causes_of`.
+        `causes_of` the chain.
     readings
-        One sentence per cause and for "rest".
+        One sentence per cause.
+    own_readings
+        Those of each coordinate.
+    rest_reading
+        The sentence of "rest", of the index of a coordinate and of the rest in dB.
     snr_db
-        As `Budget`. [dB]
-    counted_infrared
-        Whether the SNR counts the electrons of the infrared as signal.
+        SNR of each coordinate where the chain does not end there: where the signal is a change.
+        [dB]
+    is_rounded
+        Whether quantization comes after all other noise.
     """
+
+    coordinates: tuple[str, ...]
+    chain: Chain
+    causes: tuple[str, ...]
+    readings: dict[str, str]
+    own_readings: Sequence[dict[str, str]]
+    rest_reading: Callable[[int, float], str]
+    snr_db: Float[Array, " c"] | None = None
+    is_rounded: bool = False
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """What chains that are evaluated together have in common."""
+        chain = self.chain
+        lacks = (chain.before_crosstalk is None, chain.behind_cut is None, self.snr_db is None)
+        size = chain.channels.row.shape[-1]
+        return (self.causes, self.is_rounded, lacks, size, chain.noise, id(chain.crosstalk))
+
+
+def _order(causes: tuple[str, ...], *, rounded: bool) -> tuple[tuple[str, str], ...]:
+    """Pairs of causes of which the first comes earlier."""
     order = (*((FILTERS, later) for later in causes[1:]), (WEIGHTS, CORRELATION))
-    if _is_rounded(chain):  # what a coarse step loses depends on the noise that is rounded
-        noise = (READ_NOISE, *_more_noise(chain.noise))
-        before = (name for name in noise if name not in (QUANTIZATION, PATTERN))
-        order += tuple((name, QUANTIZATION) for name in before if name in causes)
+    if rounded:  # what a coarse step loses depends on the noise that is rounded
+        ends = (PATTERN, CROSSTALK, WEIGHTS, CORRELATION, INFRARED)
+        noise = (name for name in causes[1:] if name not in (QUANTIZATION, *ends))
+        order += tuple((name, QUANTIZATION) for name in noise if QUANTIZATION in causes)
     if CROSSTALK in causes:
         order += tuple((name, CROSSTALK) for name in causes if name not in (CROSSTALK, PATTERN))
         order += ((CROSSTALK, PATTERN),) if PATTERN in causes else ()
+    return order
+
+
+def _budgets(asked: Sequence[_Asked]) -> list[dict[str, Budget]]:
+    """The budgets of each, which have one structure: costs, gains, and the rest to the SNR."""
+    first = asked[0]
+    chain = _merged(np.concatenate, *(one.chain for one in asked))
+    causes, every = first.causes, frozenset(first.causes)
+    order = _order(causes, rounded=first.is_rounded)
     sets = allowed_sets(causes, order)
-    worth = dict(zip(sets, chain_snrs_db(chain, sets).tolist(), strict=True))
-    shares = shapley_values(worth.__getitem__, causes, order)
-    rest = worth[frozenset(causes)] - snr_db
-    found = {name: -shares[name] for name in causes} | {REST: rest}
-    gains = _gains_db(chain, causes, counted_infrared=counted_infrared) | {REST: rest}
-    return Budget(
-        coordinate=coordinate,
-        photons_db=chain.photons_db,
-        costs=tuple(
-            Cost(
-                cause=name,
-                cost_db=cost_db,
-                gain_if_removed_db=defined(gains[name]),
-                reading=readings[name],
+    on = every if chain.is_change else every - {INFRARED}  # infrared is signal at the end
+    further = (every, on, on - {WEIGHTS}, on - {CORRELATION}, noise_causes(chain))
+    worth = chain_snrs_db(chain, (*sets, *further))
+    ends_db, now_db, no_weights_db, uncorrelated_db, best_db = worth[:, len(sets) :].T
+    snr_db = now_db
+    if first.snr_db is not None:
+        snr_db = np.concatenate([one.snr_db for one in asked if one.snr_db is not None])
+    rest_db = ends_db - snr_db
+    costs_db = np.column_stack([-_shapley(worth[:, : len(sets)], causes, order), rest_db])
+    known = {
+        FILTERS: None,
+        WEIGHTS: no_weights_db - now_db,
+        CORRELATION: uncorrelated_db - now_db,
+        REST: rest_db,
+    }
+    sought_db = _of_coordinate_db(chain, now_db)
+    gains_db = [
+        known[name] if name in known else _gain_db(chain, name, on, sought_db)
+        for name in (*causes, REST)
+    ]
+    gains = [[None] * len(snr_db) if one is None else one.tolist() for one in gains_db]
+    rows = zip(
+        chain.photons_db.tolist(), costs_db.tolist(), zip(*gains, strict=True),
+        best_db.tolist(), snr_db.tolist(), strict=True,
+    )  # fmt: skip
+    found = []
+    for one in asked:
+        own = {}
+        for i, coordinate in enumerate(one.coordinates):
+            photons_db, costs, gained, best, snr = next(rows)
+            readings = one.readings | one.own_readings[i] | {REST: one.rest_reading(i, costs[-1])}
+            own[coordinate] = Budget(
+                coordinate=coordinate,
+                photons_db=photons_db,
+                costs=tuple(
+                    Cost(
+                        cause=name,
+                        cost_db=cost_db,
+                        gain_if_removed_db=defined(gain_db),
+                        reading=readings[name],
+                    )
+                    for name, cost_db, gain_db in zip((*causes, REST), costs, gained, strict=True)
+                ),
+                optimal_linear_snr_db=best,
+                snr_db=snr,
             )
-            for name, cost_db in found.items()
-        ),
-        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain)),
-        snr_db=snr_db,
-    )
+        found.append(own)
+    return found
 
 
-def _gains_db(
-    chain: Chain, causes: tuple[str, ...], *, counted_infrared: bool
-) -> dict[str, float | None]:
-    """SNR without each cause, and with all others, minus the SNR. [dB]"""
-    on = frozenset(causes) - ({INFRARED} if counted_infrared else set())
-    now = _coordinate_snr_db(chain, on)
-
-    def gain_db(cause: str) -> float | None:
-        if cause == FILTERS:
-            return None
-        if cause in (WEIGHTS, CORRELATION):
-            return chain_snr_db(chain, on - {cause}) - chain_snr_db(chain, on)
-        less = _without(chain, cause)
-        return None if less is None else _coordinate_snr_db(less, on) - now
-
-    return {cause: gain_db(cause) for cause in causes}
+def _gain_db(
+    chain: Chain, cause: str, on: Switches, now_db: Float[Array, " k"]
+) -> Float[Array, " k"] | None:
+    """SNR without a cause, and with all others, minus the SNR. [dB]"""
+    less = _without(chain, cause)
+    if less is None:
+        return None
+    return _of_coordinate_db(less, chain_snrs_db(less, (on,))[:, 0]) - now_db
 
 
 def _without(chain: Chain, cause: str) -> Chain | None:
@@ -685,23 +778,22 @@ def _without(chain: Chain, cause: str) -> Chain | None:
     return replace(chain, channels=pure, before_crosstalk=None, noise=noise, crosstalk=None)
 
 
-def _coordinate_snr_db(chain: Chain, on: Switches) -> float:
+def _of_coordinate_db(chain: Chain, snr_db: Float[Array, " k"]) -> Float[Array, " k"]:
     """SNR of the coordinate: where the signal is a change, of one unit that comes out. [dB]"""
-    found = chain_snr_db(chain, on)
-    if not chain.channels.with_infrared.is_change:
-        return found
-    return found - float(decibel(np.asarray(abs(_units_that_come_out(chain)))))
+    return snr_db - decibel(np.abs(_units_that_come_out(chain))) if chain.is_change else snr_db
 
 
-def _units_that_come_out(chain: Chain) -> float:
+def _units_that_come_out(chain: Chain) -> Float[Array, "*k"]:
     """How many units of the coordinate come out, where the signal is one unit. [1]"""
     seen = chain.channels.with_infrared
     share = rounded_share(seen, chain.noise) if after_counting(chain.crosstalk) is None else 1.0
-    return float(chain.channels.row @ (share * seen.signal_e))
+    return (chain.channels.row * share * seen.signal_e).sum(axis=-1)
 
 
-def shared_readings(chain: Chain, frame: DualBasis, got: "_Electrons") -> dict[str, str]:
-    """One sentence per cause that explains it in terms of the sensor.
+def _readings(
+    chain: Chain, frame: DualBasis, got: "_Electrons"
+) -> tuple[dict[str, str], list[dict[str, str]]]:
+    """One sentence per cause that explains it in terms of the sensor, and those of each coordinate.
 
     Parameters
     ----------
@@ -719,13 +811,15 @@ def shared_readings(chain: Chain, frame: DualBasis, got: "_Electrons") -> dict[s
     whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # avoids 0 / 0
     channels = chain.channels
     best, own = channels.with_infrared.sought_e / whitened, channels.single_row * whitened
-    psi = np.degrees(np.arccos(np.clip(best @ own / np.sqrt((best @ best) * (own @ own)), -1, 1)))
+    cosine = (best * own).sum(axis=-1) / np.sqrt((best**2).sum(axis=-1) * (own**2).sum(axis=-1))
+    psi = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
     infrared = 1 - visible_e.sum() / all_e.sum()
-    part = {name: float(100 * each.mean() / variance.mean()) for name, each in sources.items()}
+    mean_e2 = variance.mean()
+    part = {name: float(100 * each.mean() / mean_e2) for name, each in sources.items()}
     more = {
         name: f"{part[name]:.1f} % of the mean noise variance" for name in _more_noise(chain.noise)
     }
-    if _is_rounded(chain):
+    if _is_rounded(chain).any():
         before_e2 = float((variance - sources[QUANTIZATION]).mean())
         after_e2 = float(chain.noise.rounded(all_e)[1].mean())
         more[QUANTIZATION] = (
@@ -737,20 +831,21 @@ def shared_readings(chain: Chain, frame: DualBasis, got: "_Electrons") -> dict[s
         f"condition {frame.condition:.1f}, metric {frame.metric}"
     )
     if chain.crosstalk is not None and chain.before_crosstalk is not None:
-        before = chain.before_crosstalk.with_infrared.noise_e
+        before = chain.before_crosstalk.with_infrared.noise_e[0]
         moved = moved_share(chain.crosstalk, before)
         more[CROSSTALK] = f"{100 * moved:.1f} % of the electrons leave their channel"
     elif chain.crosstalk is not None:
         unmixed = "the crosstalk matrix is singular: its loss is in this row and in filters"
-    return {
+    shared = {
         **more,
         FILTERS: f"{100 * all_e.sum() / photons:.0f} % of the photons become electrons",
         READ_NOISE: f"{part[READ_NOISE]:.1f} % of the mean noise variance is readout",
-        WEIGHTS: f"this color needs a channel mix {psi:.0f} deg from the lowest-noise one",
         CORRELATION: unmixed,
         INFRARED: f"{100 * infrared:.0f} % of the electrons come from beyond "
         f"{INFRARED_FROM_NM:.0f} nm",
     }
+    text = "this color needs a channel mix {:.0f} deg from the lowest-noise one"
+    return shared, [{WEIGHTS: text.format(each)} for each in psi.tolist()]
 
 
 def moved_share(crosstalk: Crosstalk, before_e: Float[Array, " p"]) -> float:
@@ -771,6 +866,106 @@ def moved_share(crosstalk: Crosstalk, before_e: Float[Array, " p"]) -> float:
     """
     electrons = np.asarray(crosstalk.pixels) * before_e
     return float(1.0 - np.diagonal(crosstalk.matrix) @ electrons / electrons.sum())
+
+
+CONTRAVARIANT = "M^"
+"""What the name of a contravariant coordinate begins with, before that of its channel."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BudgetRequest:
+    """Coordinates whose budgets are asked for, of one sensor in one light.
+
+    Attributes
+    ----------
+    scene
+        A scene of one point (`flat_field`); for L*, a* and b* e.g. a gray, whose white is a perfect
+        white in the same light.
+    sensor, exposure
+        The sensor and its exposure settings.
+    matrix
+        Its color matrix: the kernel matrix of that sensor and exposure (eq. 6), or for L*, a* and
+        b* any matrix to X, Y, Z.
+    coordinates
+        Names of color coordinates of the matrix, contravariant coordinates as M^R, or L*, a*, b*.
+
+    Raises
+    ------
+    InputError
+        If there is no such coordinate, the channels of the matrix are not those of the sensor, or
+        for L*, a* and b* the coordinates of the matrix are not X, Y, Z.
+    """
+
+    scene: Scene
+    sensor: Sensor
+    exposure: Exposure
+    matrix: ColorMatrix
+    coordinates: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        check.same_names("budget", sensor=self.sensor.names, matrix=self.matrix.channels)
+        every = (
+            *self.matrix.coordinates,
+            *LAB.coordinates,
+            *(f"{CONTRAVARIANT}{name}" for name in self.sensor.names),
+        )
+        for one in self.coordinates:
+            check.among("coordinate", one, every)
+        if set(self.coordinates) & set(LAB.coordinates):
+            check.same_names("budget in CIELAB", needed=XYZ, matrix=self.matrix.coordinates)
+
+
+def budgets_of(requests: Sequence[BudgetRequest]) -> list[dict[str, Budget]]:
+    """The budgets of each request by coordinate, computed at once, without those that have none.
+
+    A color coordinate has none where it has no SNR, a contravariant coordinate where its channel is
+    a mix of others or has no light. L*, a* or b* has none where X, Y or Z of the sensor's white is
+    not above 0, where changes of the light cannot change the three coordinates independently, or
+    where the measured change is zero or has the opposite sign: a single channel has no a*, and a
+    matrix may reverse a change.
+
+    Parameters
+    ----------
+    requests
+        Sensors, in their light, and coordinates.
+
+    Notes
+    -----
+    L*, a* and b* to first order: sigma^2 = r D r^T with r = J C (JCGM 102:2011, 6.2), as
+    `chromanoise.color.first_order`.
+    """
+    found: list[dict[str, Budget]] = [{} for _ in requests]
+    groups: dict[tuple[Any, ...], list[tuple[dict[str, Budget], _Asked]]] = {}
+    for own, request in zip(found, requests, strict=True):
+        for one in _asked(request):
+            groups.setdefault(one.structure, []).append((own, one))
+    for group in groups.values():
+        first = group[0][1]
+        size = first.chain.channels.row.size * 2 ** len(first.causes)
+        step = max(1, _VALUES_PER_CHUNK // size)
+        for i in range(0, len(group), step):
+            part = group[i : i + step]
+            for (own, _), made in zip(part, _budgets([one for _, one in part]), strict=True):
+                own.update(made)
+    return found
+
+
+_VALUES_PER_CHUNK = 100_000  # they stay in the processor's cache
+
+
+def _asked(request: BudgetRequest) -> Iterator[_Asked]:
+    """The coordinates of a request that have a budget, with their chains."""
+    subject = _Subject(scene=request.scene, sensor=request.sensor, exposure=request.exposure)
+    names, matrix = request.coordinates, request.matrix
+    if lab := [LAB.coordinates.index(name) for name in names if name in LAB.coordinates]:
+        yield from _lab_asked(subject, matrix, lab)
+    if colors := [matrix.coordinates.index(name) for name in names if name in matrix.coordinates]:
+        yield from _color_asked(subject, matrix, colors)
+    channels = [
+        i for i, name in enumerate(request.sensor.names) if f"{CONTRAVARIANT}{name}" in names
+    ]
+    if channels:
+        yield from _contravariant_asked(subject, matrix.frame, channels)
 
 
 def color_budget(
@@ -795,41 +990,59 @@ def color_budget(
         If the matrix has no such coordinate, or its channels are not the sensor's.
     """
     check.among("coordinate", coordinate, matrix.coordinates)
-    check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
-    i = matrix.coordinates.index(coordinate)
-    got = _electrons(scene, sensor, exposure)
-    axis = color_axes(sensor.grid, matrix.metric, matrix.observer)[:, i]
+    return _budget(scene, sensor, exposure, matrix, coordinate)
 
-    def channels(of_sensor: Sensor, frame: DualBasis, row: Float[Array, " p"]) -> Channels:
-        of = _electrons(scene, of_sensor, exposure)
+
+def _budget(
+    scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix, coordinate: str
+) -> Budget | None:
+    request = BudgetRequest(
+        scene=scene, sensor=sensor, exposure=exposure, matrix=matrix, coordinates=(coordinate,)
+    )
+    return budgets_of([request])[0].get(coordinate)
+
+
+def _color_asked(
+    subject: "_Subject", matrix: ColorMatrix, index: Sequence[int]
+) -> Iterator[_Asked]:
+    got, grid = subject.got, subject.sensor.grid
+    axes = color_axes(grid, matrix.metric, matrix.observer)[:, index]
+
+    def channels(of_sensor: Sensor, frame: DualBasis, rows: Float[Array, "c p"]) -> Channels:
+        of = subject.electrons(of_sensor)
+        all_e, visible_e = _repeated(of.all_e, rows), _repeated(of.visible_e, rows)
         return Channels(
-            without_infrared=_seen(of.all_e),
-            with_infrared=Seen(signal_e=of.visible_e, noise_e=of.all_e),
-            row=row,
-            single_row=weights_one_by_one(axis, frame),
+            without_infrared=_seen(all_e),
+            with_infrared=Seen(signal_e=visible_e, noise_e=all_e),
+            row=rows,
+            single_row=weights_one_by_one(axes.T, frame),
         )
 
-    row = matrix.matrix[i]
-    chain = _chain(sensor, exposure, matrix.frame, row, channels, got.photons_db)
-    own, cut = chain.channels, _seen(got.visible_e)
+    chain = _chain(subject, matrix.frame, matrix.matrix[index], channels, got.photons_db)
+    own = chain.channels
+    cut = _seen(own.with_infrared.signal_e)
     chain = replace(chain, behind_cut=replace(own, without_infrared=cut, with_infrared=cut))
     usable = (own.row @ got.all_e, own.row @ got.visible_e, own.single_row @ got.visible_e)
-    if not min(usable) > 0:
-        return None
-    causes = causes_of(chain)
-    readings = shared_readings(chain, matrix.frame, got)
-    all_light = chain_snr_db(chain, frozenset(causes) - {INFRARED})  # at the end all is signal
-    rest_db = chain_snr_db(chain, frozenset(causes)) - all_light
-    passed = round(100 * (1 - 10 ** (rest_db / 20)), 1) + 0.0  # avoids -0.0
-    readings[REST] = f"{passed:.1f} % of {coordinate} is infrared that the matrix lets through"
-    return chain_budget(
-        chain,
-        coordinate,
-        causes,
-        readings,
-        snr_db=all_light,
-        counted_infrared=True,
-    )
+    names = [matrix.coordinates[i] for i in index]
+
+    def rest_reading(i: int, rest_db: float) -> str:
+        passed = round(100 * (1 - 10 ** (rest_db / 20)), 1) + 0.0  # avoids -0.0
+        return f"{passed:.1f} % of {chosen[i]} is infrared that the matrix lets through"
+
+    keep = np.min(usable, axis=0) > 0
+    chosen = _chosen(names, keep)
+    if chosen:
+        chain = _of_some(chain, keep)
+        readings, own_readings = _readings(chain, matrix.frame, got)
+        yield _Asked(
+            coordinates=chosen,
+            chain=chain,
+            causes=causes_of(chain),
+            readings=readings,
+            own_readings=own_readings,
+            rest_reading=rest_reading,
+            is_rounded=bool(_is_rounded(chain).any()),
+        )
 
 
 def contravariant_budget(
@@ -858,51 +1071,70 @@ def contravariant_budget(
     """
     check.among("channel", channel, sensor.names)
     check.same_names("budget", sensor=sensor.names, frame=frame.names)
-    i = sensor.names.index(channel)
-    got = _electrons(scene, sensor, exposure)
+    subject = _Subject(scene=scene, sensor=sensor, exposure=exposure)
+    asked = _contravariant_asked(subject, frame, [sensor.names.index(channel)])
+    return next((budget for one in asked for budget in _budgets([one])[0].values()), None)
+
+
+def _contravariant_asked(
+    subject: "_Subject", frame: DualBasis, index: Sequence[int]
+) -> Iterator[_Asked]:
+    got, names = subject.got, subject.sensor.names
 
     def channels(of_sensor: Sensor, own: DualBasis, _: Array) -> Channels:
-        seen = _seen(_electrons(scene, of_sensor, exposure).all_e)
+        row = own.inverse_gram[index]
+        seen = _seen(_repeated(subject.electrons(of_sensor).all_e, row))
         return Channels(
             without_infrared=seen,
             with_infrared=seen,
-            row=own.inverse_gram[i],
-            single_row=np.eye(len(sensor.names))[i],
+            row=row,
+            single_row=np.eye(len(names))[index],
         )
 
-    chain = _chain(sensor, exposure, frame, frame.inverse_gram, channels, got.photons_db)
-    if not (np.isfinite(variance_inflation(frame)[i]) and _has_signal(chain.channels, i)):
-        return None
+    chain = _chain(subject, frame, frame.inverse_gram, channels, got.photons_db)
+    defined_ = np.isfinite(variance_inflation(frame)[index]) & _has_signal(chain.channels)
     pure = chain.before_crosstalk
-    unknown = pure is not None and not _has_signal(pure, i, least=_ROUNDING)
-    chain = replace(chain, before_crosstalk=None) if unknown else chain
-    causes = causes_of(chain, infrared=False)
-    readings = shared_readings(chain, frame, got)
-    if unknown:
-        readings[CORRELATION] = (
-            f"without crosstalk M^{channel} has no SNR: its loss is in this row and in filters"
+    known = np.ones(len(index), dtype=bool)
+    if pure is not None:
+        known = _has_signal(pure, least=_ROUNDING)
+    for is_known in (True, False):
+        keep = defined_ & (known == is_known)
+        chosen = _chosen([names[i] for i in index], keep)
+        if not chosen:
+            continue
+        some = _of_some(chain, keep)
+        some = some if is_known else replace(some, before_crosstalk=None)
+        readings, own_readings = _readings(some, frame, got)
+        for name, own in zip(chosen, own_readings, strict=True):
+            own[WEIGHTS] = f"{name} alone, of all {len(names)} channels"
+            if not is_known:
+                own[CORRELATION] = (
+                    f"without crosstalk {CONTRAVARIANT}{name} has no SNR: its loss is in this row "
+                    "and in filters"
+                )
+        yield _Asked(
+            coordinates=tuple(f"{CONTRAVARIANT}{name}" for name in chosen),
+            chain=some,
+            causes=causes_of(some, infrared=False),
+            readings=readings,
+            own_readings=own_readings,
+            rest_reading=lambda *_: "nothing is left",
+            is_rounded=bool(_is_rounded(some).any()),
         )
-    readings[WEIGHTS] = f"{channel} alone, of all {len(sensor.names)} channels"
-    readings[REST] = "nothing is left"
-    return chain_budget(
-        chain,
-        f"M^{channel}",
-        causes,
-        readings,
-        snr_db=chain_snr_db(chain, frozenset(causes)),
-    )
 
 
-def _has_signal(of: Channels, i: int, *, least: float = 0.0) -> bool:
-    """Whether a contravariant coordinate, and its channel alone, have a signal.
+def _has_signal(of: Channels, *, least: float = 0.0) -> Bool[Array, " c"]:
+    """Whether contravariant coordinates, and their channels alone, have a signal.
 
     ``least`` is the share of all electrons that a channel must exceed.
     """
     electrons = of.with_infrared.signal_e
-    return bool(of.row @ electrons != 0 and electrons[i] > least * electrons.sum())
+    alone = (of.single_row * electrons).sum(axis=-1)
+    found = (of.row * electrons).sum(axis=-1) != 0
+    return np.asarray(found & (alone > least * electrons.sum(axis=-1)))
 
 
-def weights_one_by_one(axis: Float[Array, " n"], frame: DualBasis) -> Float[Array, " p"]:
+def weights_one_by_one(axis: Float[Array, "*c n"], frame: DualBasis) -> Float[Array, "*c p"]:
     """Weights of the channels for ``axis``, h.f / |f|^2, neglecting the overlap of the channels.
 
     Examples
@@ -941,43 +1173,74 @@ class _Electrons:
         return self.photons_per_unit_light * float(self.light.sum())
 
     @property
-    def photons_db(self) -> float:
+    def photons_db(self) -> Float[Array, ""]:
         """Their SNR. [dB]"""
         return counting_snr_db(self.light, self.light, self.photons_per_unit_light)
 
 
-def _electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> _Electrons:
-    per_pixel = exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
-    return _Electrons(
-        light=light(scene, "quanta"),
-        photons_per_unit_light=pixels_of(sensor) * per_pixel,
-        all_e=expected_electrons(scene, sensor, exposure),
-        visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
-    )
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Subject:
+    """A sensor in one light, with and without its crosstalk: what all its budgets share."""
+
+    scene: Scene
+    sensor: Sensor
+    exposure: Exposure
+
+    @cached_property
+    def got(self) -> _Electrons:
+        return self.electrons(self.sensor)
+
+    @cached_property
+    def pure(self) -> Sensor | None:
+        """The sensor without crosstalk; ``None`` if it has none, or an unknown one."""
+        return None if self.sensor.crosstalk is None else without_crosstalk(self.sensor)
+
+    def electrons(self, sensor: Sensor) -> _Electrons:
+        scene, exposure = self.scene, self.exposure
+        per_pixel = exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
+        return _Electrons(
+            light=light(scene, "quanta"),
+            photons_per_unit_light=pixels_of(sensor) * per_pixel,
+            all_e=expected_electrons(scene, sensor, exposure),
+            visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
+        )
 
 
-def _seen(electrons: Float[Array, " p"]) -> Seen:
+def _seen(electrons: Float[Array, "*c p"]) -> Seen:
     return Seen(signal_e=electrons, noise_e=electrons)
 
 
+def _repeated(electrons: Float[Array, " p"], rows: Float[Array, "c p"]) -> Float[Array, "c p"]:
+    return np.broadcast_to(electrons, (len(rows), electrons.size))
+
+
+def _chosen(names: Sequence[str], keep: Bool[Array, " c"]) -> tuple[str, ...]:
+    return tuple(name for name, kept in zip(names, keep, strict=True) if kept)
+
+
+def _of_some(chain: Chain, keep: Bool[Array, " c"]) -> Chain:
+    """The chain of some of its coordinates."""
+    return chain if keep.all() else _merged(lambda arrays: arrays[0][keep], chain)
+
+
 def _chain(
-    sensor: Sensor,
-    exposure: Exposure,
+    subject: _Subject,
     frame: DualBasis,
     rows: Array,
     channels: Callable[[Sensor, DualBasis, Array], Channels],
-    photons_db: float,
+    photons_db: Float[Array, "*c"],
 ) -> Chain:
     """The chain of the sensor, and of the same without crosstalk: R X gives the same color."""
-    crosstalk, before = sensor.crosstalk, None
-    pure = without_crosstalk(sensor) if crosstalk is not None else None
+    sensor, exposure, before = subject.sensor, subject.exposure, None
+    pure, crosstalk = subject.pure, sensor.crosstalk
     if crosstalk is not None and pure is not None:
         basis = measurement_vectors(pure, exposure, frame.metric)
         own = dual_frame(basis, names=pure.names, metric=frame.metric)
         before = channels(pure, own, rows @ crosstalk.matrix)
+    found = channels(sensor, frame, rows)
     return Chain(
-        photons_db=photons_db,
-        channels=channels(sensor, frame, rows),
+        photons_db=np.broadcast_to(photons_db, len(found.row)),
+        channels=found,
         before_crosstalk=before,
         noise=noise_sources(sensor, exposure),
         crosstalk=crosstalk,
@@ -988,8 +1251,8 @@ _ROUNDING = 1e-10  # of the sum of absolute terms: below, a sum is rounding
 
 
 def faintest_change(
-    light: Float[Array, " n"], axes: Float[Array, "n c"], step: Float[Array, " c"]
-) -> Float[Array, " n"] | None:
+    light: Float[Array, " n"], axes: Float[Array, "n c"], step: Float[Array, "*k c"]
+) -> Float[Array, "*k n"] | None:
     """The change of light with the lowest photon-counting SNR that changes a color by ``step``.
 
     Parameters
@@ -999,7 +1262,7 @@ def faintest_change(
     axes
         H, one column per color coordinate.
     step
-        dx, the change of the color H^T L.
+        dx, the change of the color H^T L; many changes are found at once.
 
     Returns
     -------
@@ -1030,7 +1293,7 @@ def faintest_change(
     rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
     if rank < axes.shape[1]:
         return None
-    return root * (u @ ((vt @ (step / lengths)) / singular))
+    return root * ((((step / lengths) @ vt.T) / singular) @ u.T)
 
 
 def lab_budget(
@@ -1067,73 +1330,83 @@ def lab_budget(
     `chromanoise.color.first_order`.
     """
     check.one_of("coordinate", coordinate, LAB.coordinates)
-    check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
-    check.same_names("budget in CIELAB", needed=XYZ, matrix=matrix.coordinates)
+    return _budget(scene, sensor, exposure, matrix, coordinate)
+
+
+def _lab_asked(subject: _Subject, matrix: ColorMatrix, index: Sequence[int]) -> Iterator[_Asked]:
+    scene, sensor, exposure, got = subject.scene, subject.sensor, subject.exposure, subject.got
     white_scene = flat_field(scene.illuminant, level_lux=scene.level_lux)
     white = matrix.matrix @ expected_electrons(white_scene, sensor, exposure)
     if not (white > 0).all():
-        return None
-    i, got = LAB.coordinates.index(coordinate), _electrons(scene, sensor, exposure)
-    slopes = LAB.jacobian(matrix.matrix @ got.all_e, white)
-    slope, axes = slopes[i], color_axes(sensor.grid, "quanta", matrix.observer)
-    step = inv(f"slope of {coordinate} of {sensor.name}", slopes)[:, i]
-    change = faintest_change(got.light, axes, step)
-    if change is None:
-        return None
+        return
+    every = LAB.jacobian(matrix.matrix @ got.all_e, white)
+    slopes, axes = every[index], color_axes(sensor.grid, "quanta", matrix.observer)
+    steps = inv(f"slopes of CIELAB of {sensor.name}", every).T[index]
+    changes = faintest_change(got.light, axes, steps)
+    if changes is None:
+        return
 
     def channels(of_sensor: Sensor, frame: DualBasis, rows: Float[Array, "3 p"]) -> Channels:
         basis = measurement_vectors(of_sensor, exposure, "quanta")
         visible = ~is_infrared(sensor.grid)
-        cut, whole = (change * visible) @ basis, change @ basis
+        cut, whole = (changes * visible) @ basis, changes @ basis
         noise_e, visible_e = got.light @ basis, (got.light * visible) @ basis
-        axes = color_axes(sensor.grid, frame.metric, matrix.observer)
-        one_by_one = [weights_one_by_one(axis, frame) for axis in axes.T]
+        own_axes = color_axes(sensor.grid, frame.metric, matrix.observer)
+        one_by_one = weights_one_by_one(own_axes.T, frame)
         return Channels(
-            without_infrared=Seen(signal_e=cut, noise_e=visible_e, is_change=True),
-            with_infrared=Seen(signal_e=whole, noise_e=noise_e, is_change=True),
-            row=_sum_of(slope[:, None] * rows),
-            single_row=_sum_of(slope[:, None] * np.stack(one_by_one)),
+            without_infrared=Seen(signal_e=cut, noise_e=_repeated(visible_e, cut), is_change=True),
+            with_infrared=Seen(signal_e=whole, noise_e=_repeated(noise_e, cut), is_change=True),
+            row=_sum_of(slopes[..., None] * rows),
+            single_row=_sum_of(slopes[..., None] * one_by_one),
         )
 
-    photons_db = counting_snr_db(got.light, change, got.photons_per_unit_light)
-    chain = _chain(sensor, exposure, matrix.frame, matrix.matrix, channels, photons_db)
-    if not _followed(chain):
-        return None
-    row, seen = chain.channels.row, chain.channels.without_infrared
+    photons_db = counting_snr_db(got.light, changes, got.photons_per_unit_light)
+    chain = _chain(subject, matrix.frame, matrix.matrix, channels, photons_db)
     white_cut = matrix.matrix @ expected_electrons(without_infrared(white_scene), sensor, exposure)
     if (white_cut > 0).all():
-        slope_cut = LAB.jacobian(matrix.matrix @ got.visible_e, white_cut)[i]
-        row_cut = _sum_of(slope_cut[:, None] * matrix.matrix)
-        cut = replace(chain.channels, with_infrared=seen, row=row_cut)
-        chain = replace(chain, behind_cut=cut)
+        slopes_cut = LAB.jacobian(matrix.matrix @ got.visible_e, white_cut)[index]
+        row_cut = _sum_of(slopes_cut[..., None] * matrix.matrix)
+        cut = chain.channels.without_infrared
+        chain = replace(chain, behind_cut=replace(chain.channels, with_infrared=cut, row=row_cut))
+    keep = _followed(chain)
+    chosen = _chosen([LAB.coordinates[i] for i in index], keep)
+    if not chosen:
+        return
+    chain = _of_some(chain, keep)
     noise = with_noise(got.all_e, sensor, exposure).covariance
-    readings = shared_readings(chain, matrix.frame, got)
-    colorimeter = got.photons_per_unit_light / ((axes @ slope) ** 2 @ got.light)
-    pays_db = photons_db - 10 * float(np.log10(colorimeter))
-    readings[WEIGHTS] += f"; a perfect colorimeter pays {pays_db:.1f} dB"
-    units = _units_that_come_out(chain)
-    readings[REST] = f"one unit of {coordinate} comes out as {units:.2f}"
-    return chain_budget(
-        chain,
-        coordinate,
-        causes_of(chain),
-        readings,
-        snr_db=-10 * float(np.log10(row @ noise @ row)),
+    readings, own_readings = _readings(chain, matrix.frame, got)
+    colorimeter = got.photons_per_unit_light / (got.light @ (axes @ slopes[keep].T) ** 2)
+    pays_db = chain.photons_db - 10 * np.log10(colorimeter)
+    for own, each_db in zip(own_readings, pays_db.tolist(), strict=True):
+        own[WEIGHTS] += f"; a perfect colorimeter pays {each_db:.1f} dB"
+    units = _units_that_come_out(chain).tolist()
+    yield _Asked(
+        coordinates=chosen,
+        chain=chain,
+        causes=causes_of(chain),
+        readings=readings,
+        own_readings=own_readings,
+        rest_reading=lambda i, _: f"one unit of {chosen[i]} comes out as {units[i]:.2f}",
+        snr_db=-10 * np.log10(variances_along(chain.channels.row, noise)),
+        is_rounded=bool(_is_rounded(chain).any()),
     )
 
 
-def _sum_of(terms: Float[Array, "c p"]) -> Float[Array, " p"]:
+def _sum_of(terms: Float[Array, "*k c p"]) -> Float[Array, "*k p"]:
     """Their sum; 0 where they cancel to rounding, as X/Xn - Y/Yn does for a single channel."""
-    total = terms.sum(axis=0)
-    return np.where(np.abs(total) > _ROUNDING * np.abs(terms).sum(axis=0), total, 0.0)
+    total = terms.sum(axis=-2)
+    return np.where(np.abs(total) > _ROUNDING * np.abs(terms).sum(axis=-2), total, 0.0)
 
 
-def _followed(chain: Chain) -> bool:
-    """Whether the coordinate follows the change, and every readout of the chain detects it.
+def _followed(chain: Chain) -> Bool[Array, " c"]:
+    """Whether a coordinate follows the change, and every readout of the chain detects it.
 
     Weights that neglect the overlap of channels may reverse the sign; only the size counts there.
     """
-    of = chain.channels
-    signals = np.stack([of.without_infrared.signal_e, of.with_infrared.signal_e], axis=1)
-    own, single = (_sum_of(row[:, None] * signals) for row in (of.row, of.single_row))
-    return bool((own > 0).all() and (single != 0).all())
+    of, found = chain.channels, np.ones(len(chain.photons_db), dtype=bool)
+    for seen in (of.without_infrared, of.with_infrared):
+        own, single = (
+            _sum_of((row * seen.signal_e)[..., None])[..., 0] for row in (of.row, of.single_row)
+        )
+        found &= (own > 0) & (single != 0)
+    return found

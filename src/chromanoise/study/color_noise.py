@@ -6,7 +6,7 @@ total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the co
 
 import math
 from collections.abc import Sequence
-from functools import cache, cached_property, lru_cache, partial
+from functools import cache, cached_property, partial
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -51,16 +51,16 @@ from chromanoise.color import (
     relative_sd_error,
 )
 from chromanoise.metrics import (
+    CONTRAVARIANT,
     ISO_15739_2017,
     OPPONENT_FROM_XYZ,
     Budget,
+    BudgetRequest,
     MatrixReport,
+    budgets_of,
     chart_ciede2000,
     chart_color_error,
     chart_lab,
-    color_budget,
-    contravariant_budget,
-    lab_budget,
     pixels_per_degree,
     scielab_shares,
     signal_snr_db,
@@ -76,7 +76,7 @@ from chromanoise.noise import (
     with_noise,
 )
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Spectra, chart_on, flat_field
+from chromanoise.spectra import Scene, Spectra, chart_on, flat_field
 from chromanoise.study.analysis import (
     Analysis,
     color_snr_db,
@@ -487,10 +487,6 @@ CHART_KEYS: JsonKeys = (
 """Of one patch; a chart is the list of its patches."""
 
 
-_CONTRAVARIANT = "M^"
-
-
-@lru_cache(maxsize=64)  # verdict and waterfall chart use the same budget
 def coordinate_budget(
     analysis: Analysis, coordinate: str, *, reflectance: float = GRAY
 ) -> Budget | None:
@@ -508,23 +504,14 @@ def coordinate_budget(
     reflectance
         Of the gray, for L*, a* and b*. [1]
     """
-    if analysis.without_snr.any() or analysis.readout is not None:
-        return None
-    light, sensor, exposure = analysis.scene, analysis.sensor, analysis.exposure
-    snr = color_snr_db(analysis)
-    if coordinate in snr:
-        if snr[coordinate] is None:
-            return None
-        return color_budget(light, sensor, exposure, analysis.matrix, coordinate)
+    colors, channels = analysis.color.names, analysis.sensor.names
+    if coordinate in colors:
+        return color_budgets(analysis)[colors.index(coordinate)]
     if coordinate in LAB.coordinates:
-        if None in color_snr_db(of_white(analysis)).values():
-            return None
-        gray = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=reflectance)
-        return lab_budget(gray, sensor, exposure, analysis.matrix, coordinate)
-    channel = coordinate.removeprefix(_CONTRAVARIANT)
-    if channel not in sensor.names:
-        return None
-    return contravariant_budget(light, sensor, exposure, analysis.matrix.frame, channel)
+        found = lab_budgets(analysis, reflectance=reflectance)
+        return found[LAB.coordinates.index(coordinate)]
+    channel = coordinate.removeprefix(CONTRAVARIANT)
+    return contravariant_budgets(analysis)[channels.index(channel)] if channel in channels else None
 
 
 def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
@@ -535,7 +522,20 @@ def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
     analysis
         Results of one sensor.
     """
-    return tuple(coordinate_budget(analysis, name) for name in analysis.color.names)
+    return color_budgets_of([analysis])[0]
+
+
+@kept_of_each  # verdict, chart and JSON use the same budgets
+def color_budgets_of(analyses: Sequence[Analysis]) -> list[tuple[Budget | None, ...]]:
+    """`color_budgets` of each analysis, computed at once."""
+    known = [
+        [name for name, snr in color_snr_db(one).items() if snr is not None] for one in analyses
+    ]
+    found = budgets_of(list(map(_budget_request, analyses, known)))
+    return [
+        tuple(own.get(name) for name in one.color.names)
+        for one, own in zip(analyses, found, strict=True)
+    ]
 
 
 def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
@@ -546,8 +546,15 @@ def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
     analysis
         Results of one sensor.
     """
-    names = analysis.sensor.names
-    return tuple(coordinate_budget(analysis, f"{_CONTRAVARIANT}{name}") for name in names)
+    return contravariant_budgets_of([analysis])[0]
+
+
+@kept_of_each
+def contravariant_budgets_of(analyses: Sequence[Analysis]) -> list[tuple[Budget | None, ...]]:
+    """`contravariant_budgets` of each analysis, computed at once."""
+    names = [[f"{CONTRAVARIANT}{name}" for name in one.sensor.names] for one in analyses]
+    found = budgets_of(list(map(_budget_request, analyses, names)))
+    return [tuple(map(own.get, each)) for each, own in zip(names, found, strict=True)]
 
 
 def lab_budgets(analysis: Analysis, *, reflectance: float = GRAY) -> tuple[Budget | None, ...]:
@@ -562,8 +569,35 @@ def lab_budgets(analysis: Analysis, *, reflectance: float = GRAY) -> tuple[Budge
     reflectance
         Of the gray. [1]
     """
-    return tuple(
-        coordinate_budget(analysis, name, reflectance=reflectance) for name in LAB.coordinates
+    of = lab_budgets_of if reflectance == GRAY else partial(_lab_budgets, reflectance=reflectance)
+    return of([analysis])[0]
+
+
+def _lab_budgets(
+    analyses: Sequence[Analysis], reflectance: float = GRAY
+) -> list[tuple[Budget | None, ...]]:
+    """`lab_budgets` of each analysis, computed at once."""
+    requests = []
+    for one in analyses:
+        light, has_color = one.scene, None not in color_snr_db(of_white(one)).values()
+        gray = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=reflectance)
+        requests.append(_budget_request(one, LAB.coordinates if has_color else (), gray))
+    return [tuple(map(own.get, LAB.coordinates)) for own in budgets_of(requests)]
+
+
+lab_budgets_of = kept_of_each(_lab_budgets)
+
+
+def _budget_request(
+    analysis: Analysis, coordinates: Sequence[str], scene: Scene | None = None
+) -> BudgetRequest:
+    unknown = analysis.without_snr.any() or analysis.readout is not None
+    return BudgetRequest(
+        scene=analysis.scene if scene is None else scene,
+        sensor=analysis.sensor,
+        exposure=analysis.exposure,
+        matrix=analysis.matrix,
+        coordinates=() if unknown else tuple(coordinates),
     )
 
 

@@ -75,9 +75,12 @@ from chromanoise.study.color_noise import (
     GrayNoise,
     chart_noise,
     color_budgets,
+    color_budgets_of,
     contravariant_budgets,
+    contravariant_budgets_of,
     gray_noise,
     lab_budgets,
+    lab_budgets_of,
     mean_total_error,
     total_errors_of,
     visual_noise_of,
@@ -523,7 +526,11 @@ class Analyses(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """As that of each result."""
-        total_errors_of(self.analyses)  # of all sensors at once, in half the time
+        total_errors_of(self.analyses)  # of all sensors at once, in a fraction of the time
+        if OUTPUTS["budget"].asked(self.outputs):
+            color_budgets_of(self.analyses)
+            contravariant_budgets_of(self.analyses)
+            lab_budgets_of(self.analyses)
         return super().to_dict()
 
     @property
