@@ -115,8 +115,11 @@ def plain(value: Any, *keys: JsonKey | str) -> Any:
 
 
 def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
-    if type(value) is float:  # most values
+    kind = type(value)
+    if kind is float:  # most values
         return defined(value)
+    if kind in _AS_IT_IS:
+        return value
     if isinstance(value, np.ndarray | np.generic):
         if value.dtype.kind in "biu" or (value.dtype.kind == "f" and np.isfinite(value).all()):
             return value.tolist()
@@ -130,9 +133,7 @@ def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
         return [_written(one, keys, owners) for one in value]
     if isinstance(value, float):
         return defined(value)
-    if value is None or not (keys or is_dataclass(value)):
-        return value
-    return _object((*owners, value), keys or keys_of(type(value)))
+    return _object((*owners, value), keys) if keys or is_dataclass(value) else value
 
 
 def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
@@ -196,10 +197,20 @@ def keys_of(kind: type) -> JsonKeys:
     return tuple(one.name for one in fields(kind)) if declared is None else declared
 
 
+_AS_IT_IS = {str, int, bool, NoneType}
+
+
 def _object(owners: tuple[Any, ...], keys: JsonKeys) -> dict[str, Any]:
+    record = owners[-1]
     found: dict[str, Any] = {}
     written: Any
-    for key in map(_key, keys):
+    every = [(_key(one), "") for one in keys] if keys else _keys_of_class(record.__class__)
+    for key, field in every:
+        if field:  # most keys
+            value = getattr(record, field)
+            is_number = type(value) is float
+            found[key.name] = defined(value) if is_number else _written(value, (), owners)
+            continue
         if key.when and not _at(key.when, owners):
             continue
         value = _value(key, owners)
@@ -211,6 +222,18 @@ def _object(owners: tuple[Any, ...], keys: JsonKeys) -> dict[str, Any]:
             found[key.name] = written
         else:
             found |= written
+    return found
+
+
+@cache
+def _keys_of_class(kind: Any) -> list[tuple[JsonKey, str]]:
+    """The keys of a class, each with its field or property if that is written as it is."""
+    found = []
+    for key in map(_key, keys_of(kind)):
+        path = key.of or key.name
+        changed = key.by or key.keys or key.rows or key.factor is not None or key.when
+        own = isinstance(path, str) and _has(kind, path) and not changed
+        found.append((key, str(path) if own else ""))
     return found
 
 

@@ -109,10 +109,10 @@ from chromanoise.noise import (
     NoiseSources,
     after_counting,
     counted_electrons,
-    expected_electrons,
     exposure_factor,
     measurement_vectors,
     noise_sources,
+    refuse_other_grid,
     with_noise,
 )
 from chromanoise.sensor import (
@@ -128,7 +128,14 @@ from chromanoise.sensor import (
     pixels_of,
     without_crosstalk,
 )
-from chromanoise.spectra import INFRARED_FROM_NM, Scene, color_axes, flat_field, is_infrared, light
+from chromanoise.spectra import (
+    INFRARED_FROM_NM,
+    Scene,
+    color_axes,
+    flat_field,
+    is_infrared,
+    light as scene_light,
+)
 
 Switches = frozenset[str]
 
@@ -494,10 +501,10 @@ def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
     infrared
         Whether the budget separates the infrared.
     """
-    values = replace(chain.noise, pattern=None).by_source(np.ones(1))
-    own = {name for name in _more_noise(chain.noise) if values[name].any()}
-    own |= set() if chain.noise.pattern is None else {PATTERN}
-    more = tuple(name for name in _more_noise(chain.noise) if name in own)
+    noise = chain.noise
+    own = {one.cause for one in noise.sources if noise.has(one) and one.value(noise)}
+    own |= set() if noise.pattern is None else {PATTERN}
+    more = tuple(name for name in _more_noise(noise) if name in own)
     mixed = (CROSSTALK,) if chain.before_crosstalk is not None else ()
     end = CAUSES[2:] if infrared else CAUSES[2:-1]
     return (*CAUSES[:2], *more, *mixed, *end)
@@ -545,7 +552,8 @@ def counting_snr_db(
     20.0
     """
     squares = change**2 / np.where(light > 0, light, 1.0)
-    return decibel(np.sqrt(photons_per_unit_light * squares[..., light > 0].sum(axis=-1)))
+    photons = photons_per_unit_light * squares[..., light > 0].sum(axis=-1)
+    return decibel(np.asarray(np.sqrt(photons)))
 
 
 def without_infrared(scene: Scene) -> Scene:
@@ -791,31 +799,25 @@ def _units_that_come_out(chain: Chain) -> Float[Array, "*k"]:
 
 
 def _readings(
-    chain: Chain, frame: DualBasis, got: "_Electrons"
+    chain: Chain, frame: DualBasis, lit: "_Lit"
 ) -> tuple[dict[str, str], list[dict[str, str]]]:
-    """One sentence per cause that explains it in terms of the sensor, and those of each coordinate.
-
-    Parameters
-    ----------
-    chain, frame
-        The chain and the frame of the sensor.
-    got
-        What the sensor gets of the scene.
-    """
-    all_e, visible_e, photons = got.all_e, got.visible_e, got.photons
+    """One sentence per cause that explains it in terms of the sensor; those of each coordinate."""
+    all_e = lit.all_e
     vif = variance_inflation(frame)
     worst = int(np.argmax(vif))
     counted = counted_electrons(all_e, after_counting(chain.crosstalk))
     sources = {**chain.noise.by_source(all_e), PATTERN: chain.noise.pattern_e2(counted)}
-    variance = sum(sources.values(), 0.0 * all_e)
+    values = np.stack(list(sources.values()))
+    variance = values.sum(axis=0)
     whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # avoids 0 / 0
     channels = chain.channels
     best, own = channels.with_infrared.sought_e / whitened, channels.single_row * whitened
     cosine = (best * own).sum(axis=-1) / np.sqrt((best**2).sum(axis=-1) * (own**2).sum(axis=-1))
     psi = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-    infrared = 1 - visible_e.sum() / all_e.sum()
-    mean_e2 = variance.mean()
-    part = {name: float(100 * each.mean() / mean_e2) for name, each in sources.items()}
+    collected = all_e.sum()
+    passed = collected / (lit.photons_per_unit_light * lit.light.sum())
+    infrared = 1 - lit.visible_e.sum() / collected
+    part = dict(zip(sources, (100 * values.sum(axis=1) / variance.sum()).tolist(), strict=True))
     more = {
         name: f"{part[name]:.1f} % of the mean noise variance" for name in _more_noise(chain.noise)
     }
@@ -838,7 +840,7 @@ def _readings(
         unmixed = "the crosstalk matrix is singular: its loss is in this row and in filters"
     shared = {
         **more,
-        FILTERS: f"{100 * all_e.sum() / photons:.0f} % of the photons become electrons",
+        FILTERS: f"{100 * passed:.0f} % of the photons become electrons",
         READ_NOISE: f"{part[READ_NOISE]:.1f} % of the mean noise variance is readout",
         CORRELATION: unmixed,
         INFRARED: f"{100 * infrared:.0f} % of the electrons come from beyond "
@@ -955,17 +957,17 @@ _VALUES_PER_CHUNK = 100_000  # they stay in the processor's cache
 
 def _asked(request: BudgetRequest) -> Iterator[_Asked]:
     """The coordinates of a request that have a budget, with their chains."""
-    subject = _Subject(scene=request.scene, sensor=request.sensor, exposure=request.exposure)
+    lit = _Lit(scene=request.scene, sensor=request.sensor, exposure=request.exposure)
     names, matrix = request.coordinates, request.matrix
     if lab := [LAB.coordinates.index(name) for name in names if name in LAB.coordinates]:
-        yield from _lab_asked(subject, matrix, lab)
+        yield from _lab_asked(lit, matrix, lab)
     if colors := [matrix.coordinates.index(name) for name in names if name in matrix.coordinates]:
-        yield from _color_asked(subject, matrix, colors)
+        yield from _color_asked(lit, matrix, colors)
     channels = [
         i for i, name in enumerate(request.sensor.names) if f"{CONTRAVARIANT}{name}" in names
     ]
     if channels:
-        yield from _contravariant_asked(subject, matrix.frame, channels)
+        yield from _contravariant_asked(lit, matrix.frame, channels)
 
 
 def color_budget(
@@ -1002,14 +1004,10 @@ def _budget(
     return budgets_of([request])[0].get(coordinate)
 
 
-def _color_asked(
-    subject: "_Subject", matrix: ColorMatrix, index: Sequence[int]
-) -> Iterator[_Asked]:
-    got, grid = subject.got, subject.sensor.grid
-    axes = color_axes(grid, matrix.metric, matrix.observer)[:, index]
+def _color_asked(lit: "_Lit", matrix: ColorMatrix, index: Sequence[int]) -> Iterator[_Asked]:
+    axes = color_axes(lit.sensor.grid, matrix.metric, matrix.observer)[:, index]
 
-    def channels(of_sensor: Sensor, frame: DualBasis, rows: Float[Array, "c p"]) -> Channels:
-        of = subject.electrons(of_sensor)
+    def channels(of: _Lit, frame: DualBasis, rows: Float[Array, "c p"]) -> Channels:
         all_e, visible_e = _repeated(of.all_e, rows), _repeated(of.visible_e, rows)
         return Channels(
             without_infrared=_seen(all_e),
@@ -1018,11 +1016,11 @@ def _color_asked(
             single_row=weights_one_by_one(axes.T, frame),
         )
 
-    chain = _chain(subject, matrix.frame, matrix.matrix[index], channels, got.photons_db)
+    chain = _chain(lit, matrix.frame, matrix.matrix[index], channels, lit.photons_db)
     own = chain.channels
     cut = _seen(own.with_infrared.signal_e)
     chain = replace(chain, behind_cut=replace(own, without_infrared=cut, with_infrared=cut))
-    usable = (own.row @ got.all_e, own.row @ got.visible_e, own.single_row @ got.visible_e)
+    usable = (own.row @ lit.all_e, own.row @ lit.visible_e, own.single_row @ lit.visible_e)
     names = [matrix.coordinates[i] for i in index]
 
     def rest_reading(i: int, rest_db: float) -> str:
@@ -1033,7 +1031,7 @@ def _color_asked(
     chosen = _chosen(names, keep)
     if chosen:
         chain = _of_some(chain, keep)
-        readings, own_readings = _readings(chain, matrix.frame, got)
+        readings, own_readings = _readings(chain, matrix.frame, lit)
         yield _Asked(
             coordinates=chosen,
             chain=chain,
@@ -1071,19 +1069,17 @@ def contravariant_budget(
     """
     check.among("channel", channel, sensor.names)
     check.same_names("budget", sensor=sensor.names, frame=frame.names)
-    subject = _Subject(scene=scene, sensor=sensor, exposure=exposure)
-    asked = _contravariant_asked(subject, frame, [sensor.names.index(channel)])
+    lit = _Lit(scene=scene, sensor=sensor, exposure=exposure)
+    asked = _contravariant_asked(lit, frame, [sensor.names.index(channel)])
     return next((budget for one in asked for budget in _budgets([one])[0].values()), None)
 
 
-def _contravariant_asked(
-    subject: "_Subject", frame: DualBasis, index: Sequence[int]
-) -> Iterator[_Asked]:
-    got, names = subject.got, subject.sensor.names
+def _contravariant_asked(lit: "_Lit", frame: DualBasis, index: Sequence[int]) -> Iterator[_Asked]:
+    names = lit.sensor.names
 
-    def channels(of_sensor: Sensor, own: DualBasis, _: Array) -> Channels:
+    def channels(of: _Lit, own: DualBasis, _: Array) -> Channels:
         row = own.inverse_gram[index]
-        seen = _seen(_repeated(subject.electrons(of_sensor).all_e, row))
+        seen = _seen(_repeated(of.all_e, row))
         return Channels(
             without_infrared=seen,
             with_infrared=seen,
@@ -1091,7 +1087,7 @@ def _contravariant_asked(
             single_row=np.eye(len(names))[index],
         )
 
-    chain = _chain(subject, frame, frame.inverse_gram, channels, got.photons_db)
+    chain = _chain(lit, frame, frame.inverse_gram, channels, lit.photons_db)
     defined_ = np.isfinite(variance_inflation(frame)[index]) & _has_signal(chain.channels)
     pure = chain.before_crosstalk
     known = np.ones(len(index), dtype=bool)
@@ -1104,7 +1100,7 @@ def _contravariant_asked(
             continue
         some = _of_some(chain, keep)
         some = some if is_known else replace(some, before_crosstalk=None)
-        readings, own_readings = _readings(some, frame, got)
+        readings, own_readings = _readings(some, frame, lit)
         for name, own in zip(chosen, own_readings, strict=True):
             own[WEIGHTS] = f"{name} alone, of all {len(names)} channels"
             if not is_known:
@@ -1148,62 +1144,59 @@ def weights_one_by_one(axis: Float[Array, "*c n"], frame: DualBasis) -> Float[Ar
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Electrons:
-    """Light of a scene, and the electrons that the channels collect from it.
-
-    Attributes
-    ----------
-    light
-        Photons, in the unit of `chromanoise.spectra.light`.
-    photons_per_unit_light
-        Photons on the pixels of all channels, p k of eq. 2; k for channels that are stacked on one
-        pixel. [s um2 nm]
-    all_e, visible_e
-        Mean electrons with and without the infrared. [e-]
-    """
-
-    light: Float[Array, " n"]
-    photons_per_unit_light: float
-    all_e: Float[Array, " p"]
-    visible_e: Float[Array, " p"]
-
-    @property
-    def photons(self) -> float:
-        """Photons on all pixels together."""
-        return self.photons_per_unit_light * float(self.light.sum())
-
-    @property
-    def photons_db(self) -> Float[Array, ""]:
-        """Their SNR. [dB]"""
-        return counting_snr_db(self.light, self.light, self.photons_per_unit_light)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Subject:
-    """A sensor in one light, with and without its crosstalk: what all its budgets share."""
+class _Lit:
+    """A sensor in one light: what all its budgets share."""
 
     scene: Scene
     sensor: Sensor
     exposure: Exposure
 
-    @cached_property
-    def got(self) -> _Electrons:
-        return self.electrons(self.sensor)
+    def __post_init__(self) -> None:
+        refuse_other_grid(self.scene, self.sensor)
 
     @cached_property
-    def pure(self) -> Sensor | None:
+    def light(self) -> Float[Array, " n"]:
+        """Photons, in the unit of `chromanoise.spectra.light`."""
+        return scene_light(self.scene, "quanta")
+
+    @cached_property
+    def visible(self) -> Float[Array, " n"]:
+        """The light behind an ideal IR-cut."""
+        return self.light * ~is_infrared(self.sensor.grid)
+
+    @cached_property
+    def basis(self) -> Float[Array, "n p"]:
+        """F of eq. 3, of photons. [e- per unit of light]"""
+        return measurement_vectors(self.sensor, self.exposure, "quanta")
+
+    @cached_property
+    def all_e(self) -> Float[Array, " p"]:
+        """Mean electrons. [e-]"""
+        return self.light @ self.basis
+
+    @cached_property
+    def visible_e(self) -> Float[Array, " p"]:
+        """Mean electrons without the infrared. [e-]"""
+        return self.visible @ self.basis
+
+    @cached_property
+    def photons_per_unit_light(self) -> float:
+        """Photons on the pixels of all channels, p k of eq. 2; k for channels that are stacked on
+        one pixel. [s um2 nm]
+        """
+        pixel, step_nm = self.sensor.pixel, self.sensor.grid.step_nm
+        return pixels_of(self.sensor) * exposure_factor(self.exposure, pixel, step_nm)
+
+    @property
+    def photons_db(self) -> Float[Array, ""]:
+        """SNR of the photons on all pixels. [dB]"""
+        return counting_snr_db(self.light, self.light, self.photons_per_unit_light)
+
+    @cached_property
+    def pure(self) -> "_Lit | None":
         """The sensor without crosstalk; ``None`` if it has none, or an unknown one."""
-        return None if self.sensor.crosstalk is None else without_crosstalk(self.sensor)
-
-    def electrons(self, sensor: Sensor) -> _Electrons:
-        scene, exposure = self.scene, self.exposure
-        per_pixel = exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
-        return _Electrons(
-            light=light(scene, "quanta"),
-            photons_per_unit_light=pixels_of(sensor) * per_pixel,
-            all_e=expected_electrons(scene, sensor, exposure),
-            visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
-        )
+        found = None if self.sensor.crosstalk is None else without_crosstalk(self.sensor)
+        return None if found is None else replace(self, sensor=found)
 
 
 def _seen(electrons: Float[Array, "*c p"]) -> Seen:
@@ -1224,26 +1217,25 @@ def _of_some(chain: Chain, keep: Bool[Array, " c"]) -> Chain:
 
 
 def _chain(
-    subject: _Subject,
+    lit: _Lit,
     frame: DualBasis,
     rows: Array,
-    channels: Callable[[Sensor, DualBasis, Array], Channels],
+    channels: Callable[[_Lit, DualBasis, Array], Channels],
     photons_db: Float[Array, "*c"],
 ) -> Chain:
     """The chain of the sensor, and of the same without crosstalk: R X gives the same color."""
-    sensor, exposure, before = subject.sensor, subject.exposure, None
-    pure, crosstalk = subject.pure, sensor.crosstalk
-    if crosstalk is not None and pure is not None:
-        basis = measurement_vectors(pure, exposure, frame.metric)
-        own = dual_frame(basis, names=pure.names, metric=frame.metric)
-        before = channels(pure, own, rows @ crosstalk.matrix)
-    found = channels(sensor, frame, rows)
+    sensor, exposure, pure, before = lit.sensor, lit.exposure, lit.pure, None
+    if sensor.crosstalk is not None and pure is not None:
+        basis = measurement_vectors(pure.sensor, exposure, frame.metric)
+        own = dual_frame(basis, names=pure.sensor.names, metric=frame.metric)
+        before = channels(pure, own, rows @ sensor.crosstalk.matrix)
+    found = channels(lit, frame, rows)
     return Chain(
         photons_db=np.broadcast_to(photons_db, len(found.row)),
         channels=found,
         before_crosstalk=before,
         noise=noise_sources(sensor, exposure),
-        crosstalk=crosstalk,
+        crosstalk=sensor.crosstalk,
     )
 
 
@@ -1333,38 +1325,40 @@ def lab_budget(
     return _budget(scene, sensor, exposure, matrix, coordinate)
 
 
-def _lab_asked(subject: _Subject, matrix: ColorMatrix, index: Sequence[int]) -> Iterator[_Asked]:
-    scene, sensor, exposure, got = subject.scene, subject.sensor, subject.exposure, subject.got
-    white_scene = flat_field(scene.illuminant, level_lux=scene.level_lux)
-    white = matrix.matrix @ expected_electrons(white_scene, sensor, exposure)
+def _lab_asked(lit: _Lit, matrix: ColorMatrix, index: Sequence[int]) -> Iterator[_Asked]:
+    scene, sensor = lit.scene, lit.sensor
+    of_white = replace(lit, scene=flat_field(scene.illuminant, level_lux=scene.level_lux))
+    white = matrix.matrix @ of_white.all_e
     if not (white > 0).all():
         return
-    every = LAB.jacobian(matrix.matrix @ got.all_e, white)
+    every = LAB.jacobian(matrix.matrix @ lit.all_e, white)
     slopes, axes = every[index], color_axes(sensor.grid, "quanta", matrix.observer)
     steps = inv(f"slopes of CIELAB of {sensor.name}", every).T[index]
-    changes = faintest_change(got.light, axes, steps)
+    changes = faintest_change(lit.light, axes, steps)
     if changes is None:
         return
 
-    def channels(of_sensor: Sensor, frame: DualBasis, rows: Float[Array, "3 p"]) -> Channels:
-        basis = measurement_vectors(of_sensor, exposure, "quanta")
-        visible = ~is_infrared(sensor.grid)
-        cut, whole = (changes * visible) @ basis, changes @ basis
-        noise_e, visible_e = got.light @ basis, (got.light * visible) @ basis
+    def channels(of: _Lit, frame: DualBasis, rows: Float[Array, "3 p"]) -> Channels:
+        cut, whole = (changes * visible) @ of.basis, changes @ of.basis
         own_axes = color_axes(sensor.grid, frame.metric, matrix.observer)
         one_by_one = weights_one_by_one(own_axes.T, frame)
+
+        def change(signal_e: Float[Array, "c p"], noise_e: Float[Array, " p"]) -> Seen:
+            return Seen(signal_e=signal_e, noise_e=_repeated(noise_e, cut), is_change=True)
+
         return Channels(
-            without_infrared=Seen(signal_e=cut, noise_e=_repeated(visible_e, cut), is_change=True),
-            with_infrared=Seen(signal_e=whole, noise_e=_repeated(noise_e, cut), is_change=True),
+            without_infrared=change(cut, of.visible_e),
+            with_infrared=change(whole, of.all_e),
             row=_sum_of(slopes[..., None] * rows),
             single_row=_sum_of(slopes[..., None] * one_by_one),
         )
 
-    photons_db = counting_snr_db(got.light, changes, got.photons_per_unit_light)
-    chain = _chain(subject, matrix.frame, matrix.matrix, channels, photons_db)
-    white_cut = matrix.matrix @ expected_electrons(without_infrared(white_scene), sensor, exposure)
+    visible = ~is_infrared(sensor.grid)
+    photons_db = counting_snr_db(lit.light, changes, lit.photons_per_unit_light)
+    chain = _chain(lit, matrix.frame, matrix.matrix, channels, photons_db)
+    white_cut = matrix.matrix @ of_white.visible_e
     if (white_cut > 0).all():
-        slopes_cut = LAB.jacobian(matrix.matrix @ got.visible_e, white_cut)[index]
+        slopes_cut = LAB.jacobian(matrix.matrix @ lit.visible_e, white_cut)[index]
         row_cut = _sum_of(slopes_cut[..., None] * matrix.matrix)
         cut = chain.channels.without_infrared
         chain = replace(chain, behind_cut=replace(chain.channels, with_infrared=cut, row=row_cut))
@@ -1373,9 +1367,9 @@ def _lab_asked(subject: _Subject, matrix: ColorMatrix, index: Sequence[int]) -> 
     if not chosen:
         return
     chain = _of_some(chain, keep)
-    noise = with_noise(got.all_e, sensor, exposure).covariance
-    readings, own_readings = _readings(chain, matrix.frame, got)
-    colorimeter = got.photons_per_unit_light / (got.light @ (axes @ slopes[keep].T) ** 2)
+    noise = with_noise(lit.all_e, sensor, lit.exposure).covariance
+    readings, own_readings = _readings(chain, matrix.frame, lit)
+    colorimeter = lit.photons_per_unit_light / (lit.light @ (axes @ slopes[keep].T) ** 2)
     pays_db = chain.photons_db - 10 * np.log10(colorimeter)
     for own, each_db in zip(own_readings, pays_db.tolist(), strict=True):
         own[WEIGHTS] += f"; a perfect colorimeter pays {each_db:.1f} dB"

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         measurement_vectors as measurement_vectors,
         patch_scene as patch_scene,
         refuse_f_number as refuse_f_number,
+        refuse_other_grid,
         saturating_exposure as saturating_exposure,
         time_to_saturation as time_to_saturation,
         white_scene as white_scene,

@@ -52,6 +52,7 @@ from chromanoise.sensor import (
     SHOT,
     Crosstalk,
     NoiseKind,
+    NoiseSource,
     PixelReading,
     Sensor,
     VarianceLaw,
@@ -186,10 +187,15 @@ class NoiseSources(PixelReading):
         if self.pattern is not None and self.pattern.counted:
             square = square + pattern
         powers = {"floor_e2": np.ones_like(mean), "slope_e": mean, "square": square}
+        nothing = np.zeros_like(mean)
         found = {
-            one.cause: self.has(one) * one.value(self) * powers[one.term] for one in self.sources
+            one.cause: value * powers[one.term] if (value := self._value(one)) else nothing
+            for one in self.sources
         }
         return found | {PATTERN: pattern}
+
+    def _value(self, one: NoiseSource) -> float:
+        return float(one.value(self)) if self.has(one) else 0.0
 
     def pattern_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
         """Variance of the pattern of crosstalk per channel; 0 without a pattern. [e-^2]
