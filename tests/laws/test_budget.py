@@ -20,7 +20,9 @@ from chromanoise.apps.paper.printed_numbers import RGB_12, RGBW_12
 from chromanoise.base import plain
 from chromanoise.color import LAB, NoisyColor, colored, first_order, kernel_matrix, propagate
 from chromanoise.metrics import (
+    BudgetRequest,
     Cost,
+    budgets_of,
     color_budget,
     contravariant_budget,
     faintest_change,
@@ -28,7 +30,8 @@ from chromanoise.metrics import (
     optimal_linear_snr_db,
     shapley_values,
 )
-from chromanoise.metrics.budget import CAUSES, counting_snr_db
+from chromanoise.metrics.budget import counting_snr_db
+from chromanoise.metrics.snr_chain import CAUSES
 from chromanoise.noise import Exposure, expected_electrons, noise_sources, with_noise
 from chromanoise.sensor import (
     SOURCES,
@@ -70,6 +73,7 @@ WHITE = flat_field(LAMP, level_lux=10.0)
 EXPOSURE = Exposure(time_s=0.012)
 COORDINATES = LAB.coordinates
 EVERY = (*"XYZ", *COORDINATES)
+BANDS = ((400, 520), (480, 620), (580, 700))
 GRAY_ROOT = 0.18 ** (1 / 3)
 
 
@@ -473,6 +477,73 @@ def test_a_copy_of_a_channel_has_no_contravariant_budget():
     assert values[1:] == [None, None]
 
 
+# of many sensors at once
+
+
+def fields_of(budget):
+    costs = [(one.cost_db, one.gain_if_removed_db or 0.0) for one in budget.costs]
+    ends = (budget.photons_db, budget.optimal_linear_snr_db, budget.snr_db)
+    return np.array([*ends, *np.ravel(costs)])
+
+
+def test_budgets_of_many_sensors_at_once_are_those_of_each_alone():
+    """Of one pixel and of several, coarse and fine steps, crosstalk of both stages, dead channels.
+
+    Most sensors have equal noise, and are more than one part of the budgets of that noise.
+    """
+    rng = np.random.default_rng(3)
+    sensors = [
+        sensor_of(*(0.1 + 0.8 * rng.random((3, 1)) * np.array([box(*one) for one in BANDS])))
+        for _ in range(150)
+    ]
+    sensors[7] = sensor_of(box(400, 500), box(500, 600), box(500, 600))  # no M^c1
+    sensors[20] = with_pixel(sensors[20], {"read_noise_e": 2.0})
+    coarse = {"bits": 8, "full_well_e": 2e4}  # coarse for some of the sensors
+    sensors += [
+        *(with_pixel(one, coarse) for one in sensors[30:40]),
+        *(crossed(sensors[50], share, "charge", "c0 c1/c1 c2") for share in (0.1, 0.2)),
+        noisy("onyx-rgbw"),
+        *(crossed(noisy(name), 0.1, stage) for name in MOSAICS for stage in ("light", "charge")),
+    ]
+    requests = [
+        BudgetRequest(
+            scene=GRAY,
+            sensor=one,
+            exposure=EXPOSURE,
+            matrix=kernel_matrix(one, EXPOSURE),
+            coordinates=(*EVERY, *(f"M^{name}" for name in one.names)),
+        )
+        for one in sensors
+    ]
+    together = budgets_of(requests)
+    for request, found in zip(requests, together, strict=True):
+        (alone,) = budgets_of([request])
+        assert found.keys() == alone.keys()
+        for name, budget in found.items():
+            assert np.abs(fields_of(budget) - fields_of(alone[name])).max() < 1e-12
+            assert [one.reading for one in budget.costs] == [
+                one.reading for one in alone[name].costs
+            ]
+    assert [name for name in requests[7].coordinates if name not in together[7]] == [
+        *("M^c1", "M^c2")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("coordinates", "value"), [(("Y", "y"), "y"), (("M^none",), "M^none"), (("L",), "L")]
+)
+def test_a_request_of_an_unknown_coordinate_is_refused(coordinates, value):
+    sensor = sensor_of(*APART)
+    with refused_input(subject="coordinate", value=value):
+        BudgetRequest(
+            scene=GRAY,
+            sensor=sensor,
+            exposure=EXPOSURE,
+            matrix=kernel_matrix(sensor, EXPOSURE),
+            coordinates=coordinates,
+        )
+
+
 # gains of causes that are removed
 
 
@@ -505,7 +576,7 @@ def noisy(name, *without):
     return with_pixel(sensor_named(name, DEFAULT_GRID), given_settings)
 
 
-def budgets_of(sensor, level_lux=10.0):
+def every_budget(sensor, level_lux=10.0):
     at = analyzed(flat_field(LAMP, level_lux=level_lux), sensor, EXPOSURE)
     found = (*color_budgets(at), *contravariant_budgets(at), *lab_budgets(at))
     return {one.coordinate: one for one in found if one}
@@ -520,7 +591,7 @@ def budgets_of(sensor, level_lux=10.0):
 def test_the_gain_of_a_source_is_the_snr_of_a_sensor_built_without_it(stage, level_lux):
     def budgets_without(*causes):
         sensor = noisy("model-rgb", *causes)
-        return budgets_of(crossed(sensor, 0.1, stage) if stage else sensor, level_lux)
+        return every_budget(crossed(sensor, 0.1, stage) if stage else sensor, level_lux)
 
     before = budgets_without()
     assert len(before) == 9
@@ -547,7 +618,7 @@ def test_a_step_that_is_coarse_only_without_read_noise_is_rounded_exactly():
     mean_e = analyzed(flat_field(LAMP, level_lux=0.05), now, EXPOSURE).raw.mean
     coarse = [noise_sources(one, EXPOSURE).rounding_is_coarse(mean_e).any() for one in (now, less)]
     assert coarse == [False, True]
-    before, after = (budgets_of(one, 0.05) for one in (now, less))
+    before, after = (every_budget(one, 0.05) for one in (now, less))
     assert {"X", "Y", "Z", "L*", "a*", "b*"} <= before.keys() & after.keys()
     for coordinate in before.keys() & after.keys():
         known = after[coordinate].snr_db - before[coordinate].snr_db
@@ -560,7 +631,7 @@ def test_without_read_noise_a_dark_channel_gains_the_decibels_of_its_share():
     sensor = sensor_named("model-mono", DEFAULT_GRID)
     sensor = with_pixel(sensor, {"read_noise_e": 10.0})
     whole = float(analyzed(WHITE, sensor, EXPOSURE).raw.mean[0])
-    budget = budgets_of(sensor, 10.0 * 100.0 / whole)["M^" + sensor.names[0]]
+    budget = every_budget(sensor, 10.0 * 100.0 / whole)["M^" + sensor.names[0]]
     gain_db = of_cause(budget, "read noise").gain_if_removed_db
     assert gain_db == pytest.approx(10 * np.log10(2), abs=1e-9)
 
@@ -575,7 +646,7 @@ def test_without_read_noise_a_dark_channel_gains_the_decibels_of_its_share():
 )  # fmt: skip
 def test_the_cost_of_crosstalk_is_the_change_of_the_snr(name, share, stage, read_e, prnu, lux):
     plain = with_pixel(sensor_named(name, DEFAULT_GRID), {"read_noise_e": read_e, "prnu": prnu})
-    with_it, without = budgets_of(crossed(plain, share, stage), lux), budgets_of(plain, lux)
+    with_it, without = every_budget(crossed(plain, share, stage), lux), every_budget(plain, lux)
     assert with_it.keys() == without.keys()
     for coordinate, budget in with_it.items():
         known = without[coordinate].snr_db - budget.snr_db
@@ -588,7 +659,7 @@ def test_the_cost_of_crosstalk_is_the_change_of_the_snr(name, share, stage, read
 @given(st.sampled_from(sorted(MOSAICS)), st.floats(0.005, 0.3), st.sampled_from(STAGES))
 def test_all_other_rows_are_those_of_the_sensor_without_crosstalk(name, share, stage):
     plain = with_pixel(sensor_named(name, DEFAULT_GRID), {"prnu": 0.02, "dsnu_e": 6.0})
-    with_it, without = budgets_of(crossed(plain, share, stage)), budgets_of(plain)
+    with_it, without = every_budget(crossed(plain, share, stage)), every_budget(plain)
     for coordinate, budget in with_it.items():
         costs = {one.cause: one.cost_db for one in budget.costs if one.cause != "crosstalk"}
         known = {one.cause: one.cost_db for one in without[coordinate].costs}
@@ -599,7 +670,7 @@ def test_all_other_rows_are_those_of_the_sensor_without_crosstalk(name, share, s
 @given(st.floats(0.01, 0.3), st.sampled_from(STAGES), st.floats(0.0, 0.03))
 def test_crosstalk_and_its_pattern_together_cost_what_both_would_gain(share, stage, prnu):
     plain = with_pixel(sensor_named("onyx-rgbw", DEFAULT_GRID), {"prnu": prnu})
-    with_it, without = budgets_of(crossed(plain, share, stage, "rgbw-4x4")), budgets_of(plain)
+    with_it, without = every_budget(crossed(plain, share, stage, "rgbw-4x4")), every_budget(plain)
     assert with_it
     for coordinate, budget in with_it.items():
         mixing, pattern = (of_cause(budget, one) for one in ("crosstalk", "crosstalk pattern"))
@@ -615,7 +686,7 @@ def test_crosstalk_and_its_pattern_together_cost_what_both_would_gain(share, sta
 )
 def test_a_tenth_of_crosstalk_costs_the_model_sensor_these_decibels(stage, known_db):
     """Before, its row said 0.03, 0.23 and 0.27 dB, and after counting a gain."""
-    found = budgets_of(crossed(sensor_named("model-rgb", DEFAULT_GRID), 0.1, stage))
+    found = every_budget(crossed(sensor_named("model-rgb", DEFAULT_GRID), 0.1, stage))
     rows = [of_cause(found[name], "crosstalk") for name in "XYZ"]
     assert [one.cost_db for one in rows] == pytest.approx(known_db, abs=6e-4)
     assert [one.gain_if_removed_db for one in rows] == pytest.approx(known_db, abs=6e-4)
@@ -663,7 +734,7 @@ def test_the_gain_of_infrared_is_that_of_an_ideal_cut_with_the_same_matrix(name,
 
 
 def test_without_the_weights_of_a_color_the_bound_is_reached():
-    for coordinate, budget in budgets_of(sensor_named("onyx-rgbw", DEFAULT_GRID)).items():
+    for coordinate, budget in every_budget(sensor_named("onyx-rgbw", DEFAULT_GRID)).items():
         gain_db = of_cause(budget, "weights").gain_if_removed_db
         rest_db = of_cause(budget, "rest").cost_db if coordinate in ("L*", "a*", "b*") else 0.0
         reached = budget.snr_db + rest_db + gain_db
@@ -679,7 +750,7 @@ def test_without_unmixing_a_contravariant_coordinate_is_its_channel():
 
 
 def test_the_rest_comes_last_and_filters_have_no_gain():
-    for budget in budgets_of(sensor_named("onyx-rgbw", DEFAULT_GRID)).values():
+    for budget in every_budget(sensor_named("onyx-rgbw", DEFAULT_GRID)).values():
         rest = of_cause(budget, "rest")
         assert rest.gain_if_removed_db == rest.cost_db
         assert of_cause(budget, "filters").gain_if_removed_db is None
@@ -688,7 +759,7 @@ def test_the_rest_comes_last_and_filters_have_no_gain():
 def test_a_cause_without_effect_neither_costs_nor_gains():
     silent = with_pixel(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), {"read_noise_e": 0.0})
     none = crossed(silent, 0.0, "charge")
-    for budget in budgets_of(none).values():
+    for budget in every_budget(none).values():
         for cause in ("read noise", "crosstalk"):
             row = of_cause(budget, cause)
             assert (row.cost_db, row.gain_if_removed_db) == pytest.approx((0.0, 0.0), abs=1e-12)
@@ -713,7 +784,7 @@ def test_the_old_attribute_of_a_cost_is_the_new_one_and_warns():
 
 
 def test_a_notebook_shows_both_columns():
-    budget = budgets_of(sensor_named("onyx-rgbw", DEFAULT_GRID))["Y"]
+    budget = every_budget(sensor_named("onyx-rgbw", DEFAULT_GRID))["Y"]
     shown = budget._repr_html_()
     row = of_cause(budget, "read noise")
     assert "gain if removed [dB]" in shown

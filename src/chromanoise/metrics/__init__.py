@@ -25,11 +25,6 @@ if TYPE_CHECKING:
     )
     from chromanoise.metrics.budget import (
         CONTRAVARIANT,
-        CORRELATION,
-        FILTERS,
-        INFRARED,
-        REST,
-        WEIGHTS,
         Budget as Budget,
         BudgetRequest as BudgetRequest,
         Cost as Cost,
@@ -38,7 +33,6 @@ if TYPE_CHECKING:
         contravariant_budget as contravariant_budget,
         faintest_change as faintest_change,
         lab_budget as lab_budget,
-        shapley_values as shapley_values,
         without_infrared,
     )
     from chromanoise.metrics.distinguishable_colors import (
@@ -85,6 +79,7 @@ if TYPE_CHECKING:
         pair_distances as pair_distances,
         separation_probability as separation_probability,
     )
+    from chromanoise.metrics.shapley import shapley_values as shapley_values
     from chromanoise.metrics.snr import (
         LEAST_COLOR,
         color_sensitivity_bits as color_sensitivity_bits,
@@ -96,6 +91,7 @@ if TYPE_CHECKING:
         tonal_levels as tonal_levels,
         tonal_range_bits as tonal_range_bits,
     )
+    from chromanoise.metrics.snr_chain import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS
     from chromanoise.metrics.speed import (
         ISO_12232_2019 as ISO_12232_2019,
         NoiseSpeedModel as NoiseSpeedModel,

@@ -72,10 +72,10 @@ as above.
 The infrared carries almost no signal here, because H is almost zero there.
 """
 
-from collections.abc import Callable, Container, Iterator, Sequence
-from dataclasses import fields, replace
-from functools import cache, cached_property
-from typing import Any, ClassVar, NamedTuple, TypeVar
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -84,19 +84,14 @@ from chromanoise.base import (
     Array,
     Bool,
     Float,
-    InputError,
-    Int,
     JsonKey,
     JsonKeys,
     check,
-    congruence,
     dataclass,
     decibel,
     defined,
-    diagonal,
     inv,
     notebook,
-    pinv,
     svd,
     unit_columns,
     variances_along,
@@ -104,9 +99,32 @@ from chromanoise.base import (
 )
 from chromanoise.color import LAB, XYZ, ColorMatrix
 from chromanoise.geometry import DualBasis, dual_frame, variance_inflation
+from chromanoise.metrics.shapley import allowed_sets, shapley_of_many
+from chromanoise.metrics.snr_chain import (
+    CORRELATION,
+    CROSSTALK,
+    FILTERS,
+    INFRARED,
+    QUANTIZATION,
+    READ_NOISE,
+    REST,
+    WEIGHTS,
+    Chain,
+    Channels,
+    Seen,
+    causes_of,
+    chain_snrs_db,
+    coarsely_rounded,
+    gain_if_removed_db,
+    merged,
+    more_noise,
+    noise_causes,
+    of_coordinate_db,
+    order_of,
+    units_that_come_out,
+)
 from chromanoise.noise import (
     Exposure,
-    NoiseSources,
     after_counting,
     counted_electrons,
     exposure_factor,
@@ -116,14 +134,8 @@ from chromanoise.noise import (
     with_noise,
 )
 from chromanoise.sensor import (
-    ALL,
     PATTERN,
-    READ,
-    READ_OUT,
-    SHOT,
-    SOURCES,
     Crosstalk,
-    Drawn,
     Sensor,
     pixels_of,
     without_crosstalk,
@@ -136,146 +148,6 @@ from chromanoise.spectra import (
     is_infrared,
     light as scene_light,
 )
-
-Switches = frozenset[str]
-
-
-def shapley_values(
-    value: Callable[[Switches], float],
-    players: Sequence[str],
-    precedence: Sequence[tuple[str, str]] = (),
-) -> dict[str, float]:
-    """Each player's mean contribution to ``value`` over all allowed orders of arrival.
-
-    Parameters
-    ----------
-    value
-        Function from a set of players to its value.
-    players
-        Distinct names of the players.
-    precedence
-        Pairs (first, second): orders in which the second comes earlier are not allowed.
-
-    Raises
-    ------
-    InputError
-        If no order satisfies the precedence.
-
-    Notes
-    -----
-    Shapley, "A value for n-person games", Contributions to the Theory of Games II (1953); with
-    precedence Faigle & Kern, Int. J. Game Theory 21 (1992) 249-266.
-
-    Examples
-    --------
-    >>> worth = {frozenset(): 0.0, frozenset("a"): 1.0, frozenset("b"): 2.0, frozenset("ab"): 5.0}
-    >>> shapley_values(worth.__getitem__, "ab")
-    {'a': 2.0, 'b': 3.0}
-    >>> shapley_values(worth.__getitem__, "ab", precedence=[("a", "b")])
-    {'a': 1.0, 'b': 4.0}
-    """
-    names, before = tuple(players), tuple(precedence)
-    worth = np.array([value(each) for each in allowed_sets(names, before)])
-    return dict(zip(names, _shapley(worth, names, before).tolist(), strict=True))
-
-
-def _shapley(
-    worth: Float[Array, "*k s"], players: tuple[str, ...], precedence: tuple[tuple[str, str], ...]
-) -> Float[Array, "*k c"]:
-    """`shapley_values` of many games, from the worth of each of the `allowed_sets`."""
-    steps = _steps(players, precedence)
-    return np.stack(
-        [(worth[..., one.after] - worth[..., one.before]) @ one.share for one in steps], axis=-1
-    )
-
-
-@cache
-def allowed_sets(
-    players: tuple[str, ...], precedence: tuple[tuple[str, str], ...] = ()
-) -> tuple[Switches, ...]:
-    """All sets of players that arrive first in some allowed order, from the empty set on.
-
-    Parameters
-    ----------
-    players, precedence
-        As `shapley_values`.
-
-    Raises
-    ------
-    InputError
-        If no order satisfies the precedence.
-
-    Examples
-    --------
-    >>> [sorted(each) for each in allowed_sets(("a", "b"), (("a", "b"),))]
-    [[], ['a'], ['a', 'b']]
-    """
-    found: dict[Switches, None] = {frozenset(): None}
-    queue: list[Switches] = [frozenset()]
-    needed = {name: {first for first, second in precedence if second == name} for name in players}
-    for before in queue:
-        for name in players:
-            after = before | {name}
-            if name not in before and after not in found and needed[name] <= before:
-                found[after] = None
-                queue.append(after)
-    if frozenset(players) not in found:
-        raise InputError(
-            "precedence",
-            f"must allow an order of {', '.join(players)}",
-            value=precedence,
-            found="allows none",
-        )
-    return tuple(found)
-
-
-class _Steps(NamedTuple):
-    """The sets that a player completes, as indices of those after and before it, and the share of
-    the orders in which it does.
-    """
-
-    after: Int[Array, " n"]
-    before: Int[Array, " n"]
-    share: Float[Array, " n"]
-
-
-@cache
-def _steps(players: tuple[str, ...], precedence: tuple[tuple[str, str], ...]) -> tuple[_Steps, ...]:
-    """The steps of each player.
-
-    Orders are counted by the sets that they pass, instead of one by one: 11 players have 40 million
-    orders, but 2,048 sets.
-    """
-    sets = allowed_sets(players, precedence)  # smaller sets come first
-    place = {each: i for i, each in enumerate(sets)}
-    ways_to = {sets[0]: 1}
-    for after in sets[1:]:
-        ways_to[after] = sum(ways_to[after - {n}] for n in after if after - {n} in place)
-    ways_on = {sets[-1]: 1}
-    for before in reversed(sets[:-1]):
-        following = (before | {n} for n in players if n not in before)
-        ways_on[before] = sum(ways_on[after] for after in following if after in place)
-    total = ways_to[sets[-1]]
-    found = []
-    for name in players:
-        own = [(one - {name}, one) for one in sets if name in one and one - {name} in place]
-        found.append(
-            _Steps(
-                after=np.array([place[after] for _, after in own]),
-                before=np.array([place[before] for before, _ in own]),
-                share=np.array([ways_to[before] * ways_on[after] / total for before, after in own]),
-            )
-        )
-    return tuple(found)
-
-
-FILTERS, READ_NOISE, WEIGHTS = "filters", READ, "weights"
-CORRELATION, INFRARED, REST = "correlation", "infrared", "rest"
-CROSSTALK = "crosstalk"
-CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
-"""The causes of every budget; `causes_of` adds those of the sensor's own noise sources."""
-_SLOPE_STEP = 1e-3
-QUANTIZATION = next(one.cause for one in SOURCES if one.drawn == "rounding")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -364,168 +236,6 @@ class Budget:
         )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Seen:
-    """Electrons of the signal, and electrons that contribute shot noise.
-
-    Attributes
-    ----------
-    signal_e
-        Electrons of the signal. [e-]
-    noise_e
-        Electrons whose shot noise counts. [e-]
-    is_change
-        Whether signals are changes of the electrons, which coarse rounding multiplies by the slope
-        of the rounded mean. Otherwise signals are electrons, which it replaces by the rounded mean.
-    """
-
-    signal_e: Float[Array, "*k p"]
-    noise_e: Float[Array, "*k p"]
-    is_change: bool = False
-
-    @property
-    def sought_e(self) -> Float[Array, "*k p"]:
-        """The signal for which the best linear readout is optimized: all electrons, or a change."""
-        return self.signal_e if self.is_change else self.noise_e
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Channels:
-    """Signals, noise and weights of the channels, after crosstalk or before it.
-
-    Attributes
-    ----------
-    without_infrared, with_infrared
-        Signal and noise with the cause "infrared" off, and on.
-    row
-        The coordinate's row of the color matrix, applied to the unmixed channels.
-    single_row
-        The coordinate's weights where the overlap of the channels is neglected.
-    """
-
-    without_infrared: Seen
-    with_infrared: Seen
-    row: Float[Array, "*k p"]
-    single_row: Float[Array, "*k p"]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Chain:
-    """All that the causes switch between, of one or many coordinates of sensors with equal noise.
-
-    Attributes
-    ----------
-    photons_db
-        SNR at the start of the chain: `counting_snr_db`. [dB]
-    channels
-        The channels of the sensor.
-    before_crosstalk
-        The channels with the cause "crosstalk" off; ``None`` without that cause.
-    behind_cut
-        The channels behind an ideal IR-cut; ``None`` where infrared is no cause, or the coordinate
-        is undefined there.
-    noise
-        The noise sources of each pixel.
-    crosstalk
-        Of the sensor; no cause if it cannot be inverted, as the curves without it are unknown.
-    """
-
-    photons_db: Float[Array, "*k"]
-    channels: Channels
-    before_crosstalk: Channels | None
-    noise: NoiseSources
-    crosstalk: Crosstalk | None = None
-    behind_cut: Channels | None = None
-
-    @property
-    def is_change(self) -> bool:
-        """Whether the signals are changes of the light: as `Seen.is_change`."""
-        return self.channels.with_infrared.is_change
-
-
-_Record = TypeVar("_Record", Seen, Channels, Chain)
-
-
-def _merged(of_arrays: Callable[[Sequence[Array]], Array], *records: _Record) -> _Record:
-    """Records of one structure as one, whose arrays are ``of_arrays`` of theirs."""
-    found: dict[str, Any] = {}
-    for one in fields(records[0]):
-        values = [getattr(record, one.name) for record in records]
-        if isinstance(values[0], np.ndarray):
-            found[one.name] = of_arrays(values)
-        elif isinstance(values[0], Seen | Channels):
-            found[one.name] = _merged(of_arrays, *values)
-    return replace(records[0], **found)
-
-
-def rounded_share(seen: Seen, noise: NoiseSources) -> Float[Array, "*k p"]:
-    """Ratio of the signal of each channel after rounding to that before; 1 for a fine step. [1]
-
-    Parameters
-    ----------
-    seen
-        Electrons of the signal and of the noise.
-    noise
-        The noise sources of each pixel.
-    """
-    mean = seen.noise_e
-    coarse = noise.rounding_is_coarse(mean).any(axis=-1, keepdims=True)
-    if not coarse.any():
-        return np.ones_like(mean)
-    if not seen.is_change:
-        return np.where(coarse, 1 + noise.rounded(mean)[0] / np.where(mean > 0, mean, 1.0), 1.0)
-    step = _SLOPE_STEP * np.sqrt(1 + mean)
-    below, above = np.maximum(mean - step, 0.0), mean + step
-    slope = (noise.rounded(above)[0] - noise.rounded(below)[0]) / (above - below)
-    return np.where(coarse, 1 + slope, 1.0)
-
-
-def _is_rounded(chain: Chain) -> Bool[Array, "*k"]:
-    """Whether rounding depends on the other noise: the step of a channel exceeds its noise."""
-    found = np.zeros(np.shape(chain.photons_db), dtype=bool)
-    if not chain.noise.step_e or after_counting(chain.crosstalk) is not None:
-        return found
-    for of in (chain.channels, chain.before_crosstalk):
-        for seen in () if of is None else (of.with_infrared, of.without_infrared):
-            found |= chain.noise.rounding_is_coarse(seen.noise_e).any(axis=-1)
-    return found
-
-
-def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
-    """The causes of a budget: those of every sensor, and the noise sources that this one has.
-
-    Parameters
-    ----------
-    chain
-        The chain of a coordinate.
-    infrared
-        Whether the budget separates the infrared.
-    """
-    noise = chain.noise
-    own = {one.cause for one in noise.sources if noise.has(one) and one.value(noise)}
-    own |= set() if noise.pattern is None else {PATTERN}
-    more = tuple(name for name in _more_noise(noise) if name in own)
-    mixed = (CROSSTALK,) if chain.before_crosstalk is not None else ()
-    end = CAUSES[2:] if infrared else CAUSES[2:-1]
-    return (*CAUSES[:2], *more, *mixed, *end)
-
-
-def _more_noise(noise: NoiseSources) -> list[str]:
-    """The sources besides shot noise and read noise."""
-    return [one.cause for one in noise.sources if one.cause not in (SHOT, READ)]
-
-
-def noise_causes(chain: Chain) -> frozenset[str]:
-    """The causes of the best linear readout: filters, crosstalk and all noise of the pixel.
-
-    The infrared is a part of the signal, unless that is a change of the light.
-    """
-    excluded = {WEIGHTS, CORRELATION}
-    if not chain.is_change:
-        excluded.add(INFRARED)
-    return frozenset(causes_of(chain)) - excluded
-
-
 def counting_snr_db(
     light: Float[Array, " n"], change: Float[Array, "*k n"], photons_per_unit_light: float
 ) -> Float[Array, "*k"]:
@@ -562,94 +272,113 @@ def without_infrared(scene: Scene) -> Scene:
     return replace(scene, reflectance=scene.reflectance * visible)
 
 
-def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, "*k s"]:
-    """SNR of the readout for each set of causes. [dB]"""
-    result = np.repeat(np.asarray(chain.photons_db)[..., None], len(sets), axis=-1)
-    groups: dict[tuple[bool, ...], list[int]] = {}
-    rounded = _is_rounded(chain)
-    for i, on in enumerate(sets):
-        if FILTERS in on:
-            key = tuple(
-                cause in on for cause in (CROSSTALK, PATTERN, INFRARED, WEIGHTS, CORRELATION)
-            )
-            groups.setdefault(key, []).append(i)
-    for (mixed, pattern, infrared, weights, unmixed), rows in groups.items():
-        before = None if mixed else chain.before_crosstalk
-        channels = before or chain.channels
-        seen = channels.with_infrared if infrared else channels.without_infrared
-        weighted = channels.row if unmixed else channels.single_row
-        row = weighted if weights else None
-        coupling, noise = None, replace(chain.noise, pattern=None)
-        if before is None:
-            coupling = after_counting(chain.crosstalk)
-            noise = chain.noise if pattern else noise
-        own = [sets[i] for i in rows]
-        result[..., rows] = _snrs_db(seen, row, coupling, noise, own, rounded)
-    return result
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Lit:
+    """A sensor in one light: what all its budgets share."""
+
+    scene: Scene
+    sensor: Sensor
+    exposure: Exposure
+
+    def __post_init__(self) -> None:
+        refuse_other_grid(self.scene, self.sensor)
+
+    @cached_property
+    def light(self) -> Float[Array, " n"]:
+        """Photons, in the unit of `chromanoise.spectra.light`."""
+        return scene_light(self.scene, "quanta")
+
+    @cached_property
+    def visible(self) -> Float[Array, " n"]:
+        """The light behind an ideal IR-cut."""
+        return self.light * ~is_infrared(self.sensor.grid)
+
+    @cached_property
+    def basis(self) -> Float[Array, "n p"]:
+        """F of eq. 3, of photons. [e- per unit of light]"""
+        return measurement_vectors(self.sensor, self.exposure, "quanta")
+
+    @cached_property
+    def all_e(self) -> Float[Array, " p"]:
+        """Mean electrons. [e-]"""
+        return self.light @ self.basis
+
+    @cached_property
+    def visible_e(self) -> Float[Array, " p"]:
+        """Mean electrons without the infrared. [e-]"""
+        return self.visible @ self.basis
+
+    @cached_property
+    def photons_per_unit_light(self) -> float:
+        """Photons on the pixels of all channels, p k of eq. 2; k for channels that are stacked on
+        one pixel. [s um2 nm]
+        """
+        pixel, step_nm = self.sensor.pixel, self.sensor.grid.step_nm
+        return pixels_of(self.sensor) * exposure_factor(self.exposure, pixel, step_nm)
+
+    @property
+    def photons_db(self) -> Float[Array, ""]:
+        """SNR of the photons on all pixels. [dB]"""
+        return counting_snr_db(self.light, self.light, self.photons_per_unit_light)
+
+    @cached_property
+    def pure(self) -> "_Lit | None":
+        """The sensor without crosstalk; ``None`` if it has none, or an unknown one."""
+        found = None if self.sensor.crosstalk is None else without_crosstalk(self.sensor)
+        return None if found is None else replace(self, sensor=found)
 
 
-def _added_e2(
-    noise: NoiseSources,
-    mean_e: Float[Array, "*k p"],
-    sets: Sequence[Switches],
-    drawn: Container[Drawn] = ALL,
-) -> Float[Array, "*k s p"]:
-    """Variance of sources that each set switches on, without shot noise. [e-^2]"""
-    values = noise.by_source(mean_e)
-    names = [one.cause for one in noise.sources if one.drawn in drawn and one.cause != SHOT]
-    total = np.zeros((*mean_e.shape[:-1], len(sets), mean_e.shape[-1]))
-    for name in names:
-        if values[name].any():
-            on = np.array([name in each for each in sets])
-            total += on[:, None] * values[name][..., None, :]
-    return total
+def weights_one_by_one(axis: Float[Array, "*c n"], frame: DualBasis) -> Float[Array, "*c p"]:
+    """Weights of the channels for ``axis``, h.f / |f|^2, neglecting the overlap of the channels.
+
+    Examples
+    --------
+    >>> from chromanoise.geometry import dual_frame
+    >>> f = np.array([[2.0, 0.0], [0.0, 1.0]])
+    >>> weights_one_by_one(np.ones(2), dual_frame(f, names=("a", "b"), metric="quanta"))
+    array([0.5, 1. ])
+    """
+    return axis @ frame.basis / (frame.basis**2).sum(axis=0)
 
 
-def _snrs_db(
-    seen: Seen,
-    row: Float[Array, "*k p"] | None,
-    coupling: Float[Array, "p p"] | None,
-    noise: NoiseSources,
-    sets: Sequence[Switches],
-    rounded: Bool[Array, "*k"],
-) -> Float[Array, "*k s"]:
-    """SNR of a row, or of the best linear readout where it is ``None``. [dB]"""
-    if coupling is not None:
-        return _coupled_snrs_db(seen, row, coupling, noise, sets)
-    variance = seen.noise_e[..., None, :] + _added_e2(noise, seen.noise_e, sets)
-    signal_e, sought_e = seen.signal_e[..., None, :], seen.sought_e[..., None, :]
-    if rounded.any():  # after all other noise: `_order`
-        on = np.array([QUANTIZATION in each for each in sets])[:, None]
-        on = on & rounded[..., None, None]
-        share = np.where(on, rounded_share(seen, noise)[..., None, :], 1.0)
-        variance = np.where(on, noise.rounded(seen.noise_e)[1][..., None, :], variance)
-        signal_e, sought_e = share * signal_e, share * sought_e
-    best = sought_e / np.where(variance > 0, variance, 1.0)
-    rows = best if row is None else row[..., None, :]
-    signal = np.abs((rows * signal_e).sum(axis=-1))
-    return decibel(signal / np.sqrt((rows**2 * variance).sum(axis=-1)))
+def _seen(electrons: Float[Array, "*c p"]) -> Seen:
+    return Seen(signal_e=electrons, noise_e=electrons)
 
 
-def _coupled_snrs_db(
-    seen: Seen,
-    row: Float[Array, "*k p"] | None,
-    coupling: Float[Array, "p p"],
-    noise: NoiseSources,
-    sets: Sequence[Switches],
-) -> Float[Array, "*k s"]:
-    """The same with crosstalk after counting, which correlates the readings. [dB]"""
-    counted = counted_electrons(seen.noise_e, coupling)
-    inside = counted[..., None, :] + _added_e2(noise, counted, sets, ALL - READ_OUT)
-    after = _added_e2(noise, counted, sets, READ_OUT)
-    if row is None:
-        covariance = congruence(coupling, diagonal(inside)) + diagonal(after)
-        best = pinv("noise with crosstalk", covariance)
-        rows = (best @ seen.sought_e[..., None, :, None])[..., 0]
-    else:
-        rows = row[..., None, :]
-    variance = ((rows @ coupling) ** 2 * inside + rows**2 * after).sum(axis=-1)
-    signal = np.abs((rows * seen.signal_e[..., None, :]).sum(axis=-1))
-    return decibel(signal / np.sqrt(variance))
+def _repeated(electrons: Float[Array, " p"], rows: Float[Array, "c p"]) -> Float[Array, "c p"]:
+    return np.broadcast_to(electrons, (len(rows), electrons.size))
+
+
+def _chosen(names: Sequence[str], keep: Bool[Array, " c"]) -> tuple[str, ...]:
+    return tuple(name for name, kept in zip(names, keep, strict=True) if kept)
+
+
+def _of_some(chain: Chain, keep: Bool[Array, " c"]) -> Chain:
+    """The chain of some of its coordinates."""
+    return chain if keep.all() else merged(lambda arrays: arrays[0][keep], chain)
+
+
+def _chain(
+    lit: _Lit,
+    frame: DualBasis,
+    rows: Array,
+    channels: Callable[[_Lit, DualBasis, Array], Channels],
+    photons_db: Float[Array, "*c"],
+) -> Chain:
+    """The chain of the sensor, and of the same without crosstalk: R X gives the same color."""
+    sensor, exposure, pure, before = lit.sensor, lit.exposure, lit.pure, None
+    if sensor.crosstalk is not None and pure is not None:
+        basis = measurement_vectors(pure.sensor, exposure, frame.metric)
+        own = dual_frame(basis, names=pure.sensor.names, metric=frame.metric)
+        before = channels(pure, own, rows @ sensor.crosstalk.matrix)
+    found = channels(lit, frame, rows)
+    return Chain(
+        photons_db=np.broadcast_to(photons_db, len(found.row)),
+        channels=found,
+        before_crosstalk=before,
+        noise=noise_sources(sensor, exposure),
+        crosstalk=sensor.crosstalk,
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -671,8 +400,6 @@ class _Asked:
     snr_db
         SNR of each coordinate where the chain does not end there: where the signal is a change.
         [dB]
-    is_rounded
-        Whether quantization comes after all other noise.
     """
 
     coordinates: tuple[str, ...]
@@ -682,36 +409,28 @@ class _Asked:
     own_readings: Sequence[dict[str, str]]
     rest_reading: Callable[[int, float], str]
     snr_db: Float[Array, " c"] | None = None
-    is_rounded: bool = False
+
+    @cached_property
+    def is_rounded(self) -> bool:
+        """Whether quantization comes after all other noise."""
+        return coarsely_rounded(self.chain)
 
     @property
     def structure(self) -> tuple[Any, ...]:
         """What chains that are evaluated together have in common."""
         chain = self.chain
+        alone = id(chain) if self.is_rounded else 0  # the digits of a slope depend on the others
         lacks = (chain.before_crosstalk is None, chain.behind_cut is None, self.snr_db is None)
         size = chain.channels.row.shape[-1]
-        return (self.causes, self.is_rounded, lacks, size, chain.noise, id(chain.crosstalk))
-
-
-def _order(causes: tuple[str, ...], *, rounded: bool) -> tuple[tuple[str, str], ...]:
-    """Pairs of causes of which the first comes earlier."""
-    order = (*((FILTERS, later) for later in causes[1:]), (WEIGHTS, CORRELATION))
-    if rounded:  # what a coarse step loses depends on the noise that is rounded
-        ends = (PATTERN, CROSSTALK, WEIGHTS, CORRELATION, INFRARED)
-        noise = (name for name in causes[1:] if name not in (QUANTIZATION, *ends))
-        order += tuple((name, QUANTIZATION) for name in noise if QUANTIZATION in causes)
-    if CROSSTALK in causes:
-        order += tuple((name, CROSSTALK) for name in causes if name not in (CROSSTALK, PATTERN))
-        order += ((CROSSTALK, PATTERN),) if PATTERN in causes else ()
-    return order
+        return (self.causes, alone, lacks, size, chain.noise, id(chain.crosstalk))
 
 
 def _budgets(asked: Sequence[_Asked]) -> list[dict[str, Budget]]:
     """The budgets of each, which have one structure: costs, gains, and the rest to the SNR."""
     first = asked[0]
-    chain = _merged(np.concatenate, *(one.chain for one in asked))
+    chain = merged(np.concatenate, *(one.chain for one in asked))
     causes, every = first.causes, frozenset(first.causes)
-    order = _order(causes, rounded=first.is_rounded)
+    order = order_of(causes, rounded=first.is_rounded)
     sets = allowed_sets(causes, order)
     on = every if chain.is_change else every - {INFRARED}  # infrared is signal at the end
     further = (every, on, on - {WEIGHTS}, on - {CORRELATION}, noise_causes(chain))
@@ -721,16 +440,16 @@ def _budgets(asked: Sequence[_Asked]) -> list[dict[str, Budget]]:
     if first.snr_db is not None:
         snr_db = np.concatenate([one.snr_db for one in asked if one.snr_db is not None])
     rest_db = ends_db - snr_db
-    costs_db = np.column_stack([-_shapley(worth[:, : len(sets)], causes, order), rest_db])
+    costs_db = np.column_stack([-shapley_of_many(worth[:, : len(sets)], causes, order), rest_db])
     known = {
         FILTERS: None,
         WEIGHTS: no_weights_db - now_db,
         CORRELATION: uncorrelated_db - now_db,
         REST: rest_db,
     }
-    sought_db = _of_coordinate_db(chain, now_db)
+    sought_db = of_coordinate_db(chain, now_db)
     gains_db = [
-        known[name] if name in known else _gain_db(chain, name, on, sought_db)
+        known[name] if name in known else gain_if_removed_db(chain, name, on, sought_db)
         for name in (*causes, REST)
     ]
     gains = [[None] * len(snr_db) if one is None else one.tolist() for one in gains_db]
@@ -751,10 +470,10 @@ def _budgets(asked: Sequence[_Asked]) -> list[dict[str, Budget]]:
                     Cost(
                         cause=name,
                         cost_db=cost_db,
-                        gain_if_removed_db=defined(gain_db),
+                        gain_if_removed_db=defined(gain),
                         reading=readings[name],
                     )
-                    for name, cost_db, gain_db in zip((*causes, REST), costs, gained, strict=True)
+                    for name, cost_db, gain in zip((*causes, REST), costs, gained, strict=True)
                 ),
                 optimal_linear_snr_db=best,
                 snr_db=snr,
@@ -763,43 +482,8 @@ def _budgets(asked: Sequence[_Asked]) -> list[dict[str, Budget]]:
     return found
 
 
-def _gain_db(
-    chain: Chain, cause: str, on: Switches, now_db: Float[Array, " k"]
-) -> Float[Array, " k"] | None:
-    """SNR without a cause, and with all others, minus the SNR. [dB]"""
-    less = _without(chain, cause)
-    if less is None:
-        return None
-    return _of_coordinate_db(less, chain_snrs_db(less, (on,))[:, 0]) - now_db
-
-
-def _without(chain: Chain, cause: str) -> Chain | None:
-    """The chain of the same sensor without crosstalk, infrared or one source of noise."""
-    if cause not in (CROSSTALK, INFRARED):
-        return replace(chain, noise=chain.noise.without_source(cause))
-    if cause == INFRARED:
-        cut = chain.behind_cut
-        return None if cut is None else replace(chain, channels=cut, before_crosstalk=None)
-    pure, noise = chain.before_crosstalk, replace(chain.noise, pattern=None)
-    if pure is None:
-        return None
-    return replace(chain, channels=pure, before_crosstalk=None, noise=noise, crosstalk=None)
-
-
-def _of_coordinate_db(chain: Chain, snr_db: Float[Array, " k"]) -> Float[Array, " k"]:
-    """SNR of the coordinate: where the signal is a change, of one unit that comes out. [dB]"""
-    return snr_db - decibel(np.abs(_units_that_come_out(chain))) if chain.is_change else snr_db
-
-
-def _units_that_come_out(chain: Chain) -> Float[Array, "*k"]:
-    """How many units of the coordinate come out, where the signal is one unit. [1]"""
-    seen = chain.channels.with_infrared
-    share = rounded_share(seen, chain.noise) if after_counting(chain.crosstalk) is None else 1.0
-    return (chain.channels.row * share * seen.signal_e).sum(axis=-1)
-
-
 def _readings(
-    chain: Chain, frame: DualBasis, lit: "_Lit"
+    chain: Chain, frame: DualBasis, lit: _Lit
 ) -> tuple[dict[str, str], list[dict[str, str]]]:
     """One sentence per cause that explains it in terms of the sensor; those of each coordinate."""
     all_e = lit.all_e
@@ -819,9 +503,9 @@ def _readings(
     infrared = 1 - lit.visible_e.sum() / collected
     part = dict(zip(sources, (100 * values.sum(axis=1) / variance.sum()).tolist(), strict=True))
     more = {
-        name: f"{part[name]:.1f} % of the mean noise variance" for name in _more_noise(chain.noise)
+        name: f"{part[name]:.1f} % of the mean noise variance" for name in more_noise(chain.noise)
     }
-    if _is_rounded(chain).any():
+    if coarsely_rounded(chain):
         before_e2 = float((variance - sources[QUANTIZATION]).mean())
         after_e2 = float(chain.noise.rounded(all_e)[1].mean())
         more[QUANTIZATION] = (
@@ -970,6 +654,15 @@ def _asked(request: BudgetRequest) -> Iterator[_Asked]:
         yield from _contravariant_asked(lit, matrix.frame, channels)
 
 
+def _budget(
+    scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix, coordinate: str
+) -> Budget | None:
+    request = BudgetRequest(
+        scene=scene, sensor=sensor, exposure=exposure, matrix=matrix, coordinates=(coordinate,)
+    )
+    return budgets_of([request])[0].get(coordinate)
+
+
 def color_budget(
     scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix, coordinate: str = "Y"
 ) -> Budget | None:
@@ -995,16 +688,7 @@ def color_budget(
     return _budget(scene, sensor, exposure, matrix, coordinate)
 
 
-def _budget(
-    scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix, coordinate: str
-) -> Budget | None:
-    request = BudgetRequest(
-        scene=scene, sensor=sensor, exposure=exposure, matrix=matrix, coordinates=(coordinate,)
-    )
-    return budgets_of([request])[0].get(coordinate)
-
-
-def _color_asked(lit: "_Lit", matrix: ColorMatrix, index: Sequence[int]) -> Iterator[_Asked]:
+def _color_asked(lit: _Lit, matrix: ColorMatrix, index: Sequence[int]) -> Iterator[_Asked]:
     axes = color_axes(lit.sensor.grid, matrix.metric, matrix.observer)[:, index]
 
     def channels(of: _Lit, frame: DualBasis, rows: Float[Array, "c p"]) -> Channels:
@@ -1039,7 +723,6 @@ def _color_asked(lit: "_Lit", matrix: ColorMatrix, index: Sequence[int]) -> Iter
             readings=readings,
             own_readings=own_readings,
             rest_reading=rest_reading,
-            is_rounded=bool(_is_rounded(chain).any()),
         )
 
 
@@ -1074,7 +757,7 @@ def contravariant_budget(
     return next((budget for one in asked for budget in _budgets([one])[0].values()), None)
 
 
-def _contravariant_asked(lit: "_Lit", frame: DualBasis, index: Sequence[int]) -> Iterator[_Asked]:
+def _contravariant_asked(lit: _Lit, frame: DualBasis, index: Sequence[int]) -> Iterator[_Asked]:
     names = lit.sensor.names
 
     def channels(of: _Lit, own: DualBasis, _: Array) -> Channels:
@@ -1088,13 +771,13 @@ def _contravariant_asked(lit: "_Lit", frame: DualBasis, index: Sequence[int]) ->
         )
 
     chain = _chain(lit, frame, frame.inverse_gram, channels, lit.photons_db)
-    defined_ = np.isfinite(variance_inflation(frame)[index]) & _has_signal(chain.channels)
+    is_defined = np.isfinite(variance_inflation(frame)[index]) & _has_signal(chain.channels)
     pure = chain.before_crosstalk
     known = np.ones(len(index), dtype=bool)
     if pure is not None:
         known = _has_signal(pure, least=_ROUNDING)
     for is_known in (True, False):
-        keep = defined_ & (known == is_known)
+        keep = is_defined & (known == is_known)
         chosen = _chosen([names[i] for i in index], keep)
         if not chosen:
             continue
@@ -1115,7 +798,6 @@ def _contravariant_asked(lit: "_Lit", frame: DualBasis, index: Sequence[int]) ->
             readings=readings,
             own_readings=own_readings,
             rest_reading=lambda *_: "nothing is left",
-            is_rounded=bool(_is_rounded(some).any()),
         )
 
 
@@ -1128,115 +810,6 @@ def _has_signal(of: Channels, *, least: float = 0.0) -> Bool[Array, " c"]:
     alone = (of.single_row * electrons).sum(axis=-1)
     found = (of.row * electrons).sum(axis=-1) != 0
     return np.asarray(found & (alone > least * electrons.sum(axis=-1)))
-
-
-def weights_one_by_one(axis: Float[Array, "*c n"], frame: DualBasis) -> Float[Array, "*c p"]:
-    """Weights of the channels for ``axis``, h.f / |f|^2, neglecting the overlap of the channels.
-
-    Examples
-    --------
-    >>> from chromanoise.geometry import dual_frame
-    >>> f = np.array([[2.0, 0.0], [0.0, 1.0]])
-    >>> weights_one_by_one(np.ones(2), dual_frame(f, names=("a", "b"), metric="quanta"))
-    array([0.5, 1. ])
-    """
-    return axis @ frame.basis / (frame.basis**2).sum(axis=0)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Lit:
-    """A sensor in one light: what all its budgets share."""
-
-    scene: Scene
-    sensor: Sensor
-    exposure: Exposure
-
-    def __post_init__(self) -> None:
-        refuse_other_grid(self.scene, self.sensor)
-
-    @cached_property
-    def light(self) -> Float[Array, " n"]:
-        """Photons, in the unit of `chromanoise.spectra.light`."""
-        return scene_light(self.scene, "quanta")
-
-    @cached_property
-    def visible(self) -> Float[Array, " n"]:
-        """The light behind an ideal IR-cut."""
-        return self.light * ~is_infrared(self.sensor.grid)
-
-    @cached_property
-    def basis(self) -> Float[Array, "n p"]:
-        """F of eq. 3, of photons. [e- per unit of light]"""
-        return measurement_vectors(self.sensor, self.exposure, "quanta")
-
-    @cached_property
-    def all_e(self) -> Float[Array, " p"]:
-        """Mean electrons. [e-]"""
-        return self.light @ self.basis
-
-    @cached_property
-    def visible_e(self) -> Float[Array, " p"]:
-        """Mean electrons without the infrared. [e-]"""
-        return self.visible @ self.basis
-
-    @cached_property
-    def photons_per_unit_light(self) -> float:
-        """Photons on the pixels of all channels, p k of eq. 2; k for channels that are stacked on
-        one pixel. [s um2 nm]
-        """
-        pixel, step_nm = self.sensor.pixel, self.sensor.grid.step_nm
-        return pixels_of(self.sensor) * exposure_factor(self.exposure, pixel, step_nm)
-
-    @property
-    def photons_db(self) -> Float[Array, ""]:
-        """SNR of the photons on all pixels. [dB]"""
-        return counting_snr_db(self.light, self.light, self.photons_per_unit_light)
-
-    @cached_property
-    def pure(self) -> "_Lit | None":
-        """The sensor without crosstalk; ``None`` if it has none, or an unknown one."""
-        found = None if self.sensor.crosstalk is None else without_crosstalk(self.sensor)
-        return None if found is None else replace(self, sensor=found)
-
-
-def _seen(electrons: Float[Array, "*c p"]) -> Seen:
-    return Seen(signal_e=electrons, noise_e=electrons)
-
-
-def _repeated(electrons: Float[Array, " p"], rows: Float[Array, "c p"]) -> Float[Array, "c p"]:
-    return np.broadcast_to(electrons, (len(rows), electrons.size))
-
-
-def _chosen(names: Sequence[str], keep: Bool[Array, " c"]) -> tuple[str, ...]:
-    return tuple(name for name, kept in zip(names, keep, strict=True) if kept)
-
-
-def _of_some(chain: Chain, keep: Bool[Array, " c"]) -> Chain:
-    """The chain of some of its coordinates."""
-    return chain if keep.all() else _merged(lambda arrays: arrays[0][keep], chain)
-
-
-def _chain(
-    lit: _Lit,
-    frame: DualBasis,
-    rows: Array,
-    channels: Callable[[_Lit, DualBasis, Array], Channels],
-    photons_db: Float[Array, "*c"],
-) -> Chain:
-    """The chain of the sensor, and of the same without crosstalk: R X gives the same color."""
-    sensor, exposure, pure, before = lit.sensor, lit.exposure, lit.pure, None
-    if sensor.crosstalk is not None and pure is not None:
-        basis = measurement_vectors(pure.sensor, exposure, frame.metric)
-        own = dual_frame(basis, names=pure.sensor.names, metric=frame.metric)
-        before = channels(pure, own, rows @ sensor.crosstalk.matrix)
-    found = channels(lit, frame, rows)
-    return Chain(
-        photons_db=np.broadcast_to(photons_db, len(found.row)),
-        channels=found,
-        before_crosstalk=before,
-        noise=noise_sources(sensor, exposure),
-        crosstalk=sensor.crosstalk,
-    )
 
 
 _ROUNDING = 1e-10  # of the sum of absolute terms: below, a sum is rounding
@@ -1373,7 +946,7 @@ def _lab_asked(lit: _Lit, matrix: ColorMatrix, index: Sequence[int]) -> Iterator
     pays_db = chain.photons_db - 10 * np.log10(colorimeter)
     for own, each_db in zip(own_readings, pays_db.tolist(), strict=True):
         own[WEIGHTS] += f"; a perfect colorimeter pays {each_db:.1f} dB"
-    units = _units_that_come_out(chain).tolist()
+    units = units_that_come_out(chain).tolist()
     yield _Asked(
         coordinates=chosen,
         chain=chain,
@@ -1382,7 +955,6 @@ def _lab_asked(lit: _Lit, matrix: ColorMatrix, index: Sequence[int]) -> Iterator
         own_readings=own_readings,
         rest_reading=lambda i, _: f"one unit of {chosen[i]} comes out as {units[i]:.2f}",
         snr_db=-10 * np.log10(variances_along(chain.channels.row, noise)),
-        is_rounded=bool(_is_rounded(chain).any()),
     )
 
 
