@@ -68,6 +68,22 @@ def test_one_bad_wavelength_does_not_transpose_a_table(tmp_path):
         _read(tmp_path, "\n".join(["x,450,500,550,600,650", *rows]))
 
 
+@pytest.mark.parametrize("cell", ["4x0", "400 410", "380%", "O380"])
+@pytest.mark.parametrize("heading", ["wavelength_nm,a,b", "wavelength,a,b\nnm,,"])
+def test_a_first_row_with_a_faulty_wavelength_is_no_second_heading(tmp_path, heading, cell):
+    rows = [f"{w},.1,.2" for w in AT_NM]
+    text = "\n".join([heading, f"{cell},.1,.2", *rows[1:]])
+    with refused_input(value=cell) as refused:
+        _read(tmp_path, text)
+    assert refused.value.where == f"line {heading.count(chr(10)) + 2}"
+
+
+def test_a_second_heading_with_numbers_as_names_gives_the_names(tmp_path):
+    rows = [f"{w},.1,.2" for w in AT_NM]
+    read = _read(tmp_path, "\n".join(["wavelength,sample,sample", "nm,1,2", *rows]))
+    assert read.curves.names == ("1", "2")
+
+
 @pytest.mark.parametrize(("heading", "factor"), [
     ("# Wavelength [nm] QE [%]", 0.01), ("# Wavelength[nm] QE[0..100]", 0.01),
     ("# Wavelength (nm) QE (0-100.0)", 0.01), ("# Wavelength [nm]  QE[0..1.0]", 1.0),

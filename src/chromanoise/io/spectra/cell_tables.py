@@ -111,6 +111,7 @@ def table_of(
     longest = max(len(_bare(row.cells)) for row in body)
     while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
         above.pop()
+    _refuse_no_wavelength_before_numbers(above, decimal == ",", source, where)
     named = [tuple(map(text_of_cell, _bare(row.cells))) for row in above]
     heads = _with_row_of_units(named)
     width = _width(body, above, head)
@@ -261,6 +262,20 @@ def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
     return named if ragged else max(named, usual)
 
 
+def _refuse_no_wavelength_before_numbers(
+    above: Sequence[Row], comma: bool, source: str, where: str
+) -> None:
+    """Below a heading of wavelengths ``4x0, 0.1`` is a faulty row of data, no second heading."""
+    starts = [i for i, row in enumerate(above) if is_wavelength_heading(row.cells[0])]
+    for row in above[starts[0] + 1 :] if starts else ():
+        values = [cell for cell in row.cells[1:] if cell]
+        has_digit = any(map(str.isdigit, row.cells[0]))
+        if has_digit and values and all(is_number(cell, decimal_comma=comma) for cell in values):
+            need = "must begin with a wavelength"
+            remedy = ("correct it", "remove the row")
+            raise refused(source, need, row.cells[0], where=f"{where} {row.number}", remedy=remedy)
+
+
 def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
     others = [k for k, name in enumerate(names) if is_wavelength_heading(name)]
     if len(others) == 1 and others[0] > 0:
@@ -302,6 +317,9 @@ def _numbers(
         table.append([_NAN] * width)
         for k, cell in enumerate(cells):
             table[-1][k] = value = number_in(cell, decimal_comma=decimal == ",")
+            if k == 0 and "%" in cell:
+                need, place = "the wavelength must be a plain number", f"{where} {row.number}"
+                raise refused(source, need, cell, where=place, remedy="correct it")
             if value != value and cell.lower() not in _MISSING:
                 need = f"must be a finite number below {LARGEST:g}"
                 place = f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}"
