@@ -125,6 +125,17 @@ def test_no_unit_is_guessed_for_numbers_in_no_order_without_a_heading(tmp_path, 
         assert _read(tmp_path, text).wavelength_unit == "um"
 
 
+def test_a_heading_of_several_lines_in_a_spreadsheet_is_one_line(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["wavelength_nm", "red \nwide", "green"])
+    for wavelength_nm in AT_NM.tolist():
+        book.active.append([wavelength_nm, 0.5, 0.4])
+    book.save(tmp_path / "table.xlsx")
+    read = read_curves(tmp_path / "table.xlsx", answers=Answers(beyond="hold"))
+    assert read.curves.names == ("red wide", "green")
+
+
 def test_a_column_of_nan_is_a_curve_without_values_and_a_column_of_words_is_none(tmp_path):
     lines = _upright(["red", "green"]).splitlines()
     words = "\n".join([f"{lines[0]},remark", *(f"{line},ok" for line in lines[1:])])

@@ -162,6 +162,18 @@ def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
+def shown_names(name: str, values: Sequence[str]) -> tuple[str, ...]:
+    """`distinct` names that can be shown; a control character raises `InputError`."""
+    for value in values:
+        if _CONTROL.search(value):
+            need, found = "must have no control characters", f"{value!r} has one"
+            raise InputError(name, need, value=value, found=found, remedy="rename it")
+    return distinct(name, values)
+
+
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+
+
 def one_of(name: str, value: str, choices: Sequence[str]) -> str:
     """The choice that ``value`` is, as `known_name`; an error suggests the nearest choices."""
     return among(name, known_name(str(value), choices), choices)

@@ -112,7 +112,7 @@ def table_of(
     while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
         above.pop()
     _refuse_no_wavelength_before_numbers(above, decimal == ",", source, where)
-    named = [tuple(map(text_of_cell, _bare(row.cells))) for row in above]
+    named = [tuple(map(_name, _bare(row.cells))) for row in above]
     heads = _with_row_of_units(named)
     width = _width(body, above, head)
     names = _head(heads, head, width)
@@ -134,6 +134,14 @@ def table_of(
         return _digitized(found, heads, numbers)
     lines = [row.number for row in body]
     return _shared(found, names, numbers, lines, where, unit)
+
+
+def _name(cell: str) -> str:
+    """The text of a heading, whose cell in a spreadsheet may have several lines."""
+    return _LINES.sub(" ", text_of_cell(cell))
+
+
+_LINES = re.compile(r"\s*[\r\n]\s*")
 
 
 def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
