@@ -607,6 +607,7 @@ def test_a_change_wins_over_the_file_and_is_named_where_it_is_wrong():
     assert study.sensors[1].pixel == PixelPart(read_noise_e=2.0, pitch_um=2.0)
     for change, fields in [
         ("light.level_lux=-1", {"subject": "level_lux", "value": -1}),
+        (f"light.level_lux=1{0:0400}", {"subject": "light.level_lux", "value": float("inf")}),
         ("light.lux=1", {"subject": "lux", "remedy": ("did you mean level_lux?",)}),
         ("light", {"value": "light"}),
         ("sensors.7.name=x", {"value": "7"}),

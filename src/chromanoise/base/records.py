@@ -584,7 +584,10 @@ def _of_plain_type(kind: Any, accepted: Any, words: str) -> _Check:
     def checked(value: Any, place: Place) -> Any:
         if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
             return place.refuse(f"must be a valid {words}", value)
-        return kind(value)
+        try:
+            return kind(value)
+        except OverflowError:  # of a whole number of over 308 digits
+            return place.refuse("must be a finite number", math.inf if value > 0 else -math.inf)
 
     return checked
 
