@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import lru_cache, partial
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
@@ -99,6 +99,7 @@ def shortened(data: Any, *, digits: int = 5) -> Any:
     return data
 
 
+@lru_cache(maxsize=2**14)  # numbers repeat at each position of a slider
 def _shortened(value: float, digits: int) -> float | int:
     for more in range(digits, 18):
         text = f"{value:.{more - 1}e}"
