@@ -4,11 +4,11 @@ The ellipses are drawn at two standard deviations.
 """
 
 from collections.abc import Sequence
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, check, dataclass, eigvalsh
+from chromanoise.base import Array, Bool, Float, check, dataclass, eigvalsh, kept
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.description import Axis, Chart, Column, Ellipses, Panel, Value, column
 from chromanoise.charts.numbers import decimal
@@ -82,7 +82,7 @@ def quick_cubature(color: NoisyColor, space: Space) -> SpaceMoments:
     return cubature(color, space, rule=gaussian_cubature(radii=6, latitudes=4, longitudes=8))
 
 
-@lru_cache(maxsize=8)
+@kept  # chart and ellipses draw the same ones
 def patches_of(analysis: Analysis) -> Patches | None:
     """The patches for an analysis, cached; ``None`` where X, Y or Z of white is not above 0.
 

@@ -24,6 +24,7 @@ from chromanoise.base import (
     JsonKeys,
     check,
     dataclass,
+    kept,
     refusal,
 )
 from chromanoise.color import ColorMatrix, Training, colored, training_color_error, white_preserving
@@ -397,7 +398,7 @@ def _on_grid(sensor: Sensor) -> Sensor:
     return replace(sensor, grid=GRID, qe=sensor.qe[inside])
 
 
-@lru_cache(maxsize=64)  # by identity: the sensors of a study at each level of light
+@kept  # the sensors of a study are the same at each level of light
 def entry_of(sensor: Sensor, speeds: tuple[float, ...]) -> LeagueEntry:
     """A sensor without ranks; a camera of the catalog has the pixel of each ISO speed.
 

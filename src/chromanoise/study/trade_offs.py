@@ -562,7 +562,7 @@ def trade_off(
     return _trade_off(point, prior, viewing or USUAL_VIEWING)
 
 
-@lru_cache(maxsize=16)  # by identity: verdict and chart of one answer ask for the same ones
+@lru_cache(maxsize=256)  # by identity: verdict and chart of one answer ask for the same ones
 def _trade_off(point: OperatingPoint, prior: str | Spectra, viewing: Viewing) -> TradeOff | LeftOut:
     (found,) = _along_light(point, (point.level_lux,), prior, viewing, _PER_DECADE)
     if isinstance(found, TradeOff) and _tells_colors(found):
