@@ -265,8 +265,11 @@ SENSORS = (
         lambda: behind_filter(white_channel(), np.ones(3), name="f"),
     ),
     ("channel of toy", "IR", lambda: with_channels(white_channel(), ["IR"], name="few")),
-    ("channel names of bad", "R\x1b[31m",
-     lambda: sensor_of(qe_with(0.5), name="bad", names=("R\x1b[31m", "G"))),
+    (
+        "channel names of bad",
+        "R\x1b[31m",
+        lambda: sensor_of(qe_with(0.5), name="bad", names=("R\x1b[31m", "G")),
+    ),
     ("name of a sensor", "a\nb", lambda: sensor_of(qe_with(0.5), name="a\nb")),
     ("channel names of few", "W", lambda: with_channels(white_channel(), ["W", "W"], name="few")),
     ("sensor", "onyx-rbg", lambda: sensor_named("onyx-rbg", DEFAULT_GRID)),

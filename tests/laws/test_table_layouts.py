@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
+from chromanoise.io import read_sensor
 from chromanoise.io.spectra import Answers, read_curves
+from chromanoise.sensor import PAPER_PIXEL
+from chromanoise.spectra import DEFAULT_GRID
 from outcomes import refused_input
 
 AT_NM = np.arange(380, 1071, 10)
@@ -68,7 +71,7 @@ def test_one_bad_wavelength_does_not_transpose_a_table(tmp_path):
         _read(tmp_path, "\n".join(["x,450,500,550,600,650", *rows]))
 
 
-@pytest.mark.parametrize("cell", ["4x0", "400 410", "380%", "O380"])
+@pytest.mark.parametrize("cell", ["4x0", "400 410", "380%", "O380", "n/a", "NaN", "inf", "x"])
 @pytest.mark.parametrize("heading", ["wavelength_nm,a,b", "wavelength,a,b\nnm,,"])
 def test_a_first_row_with_a_faulty_wavelength_is_no_second_heading(tmp_path, heading, cell):
     rows = [f"{w},.1,.2" for w in AT_NM]
@@ -76,6 +79,73 @@ def test_a_first_row_with_a_faulty_wavelength_is_no_second_heading(tmp_path, hea
     with refused_input(value=cell) as refused:
         _read(tmp_path, text)
     assert refused.value.where == f"line {heading.count(chr(10)) + 2}"
+
+
+@pytest.mark.parametrize("cell", ["4x0", "380 nm", "370-380", "'380'"])
+def test_a_first_row_with_a_faulty_wavelength_is_no_heading(tmp_path, cell):
+    rows = [f"{w},.1,.2" for w in AT_NM]
+    with refused_input(value=cell, requirement="must begin with a wavelength"):
+        _read(tmp_path, "\n".join([f"{cell},.1,.2", *rows[1:]]))
+
+
+@pytest.mark.parametrize("cell", ["O1070", "~1070", "'1070'", "1070 nm or so"])
+def test_a_last_row_of_numbers_with_a_faulty_wavelength_is_no_text(tmp_path, cell):
+    rows = [f"{w},.1,.2" for w in AT_NM]
+    for last, is_refused in ((f"{cell},.1,.2", True), ("mean,.1,.2", False)):
+        text = "\n".join(["wavelength_nm,a,b", *rows[:-1], last])
+        if is_refused:
+            with refused_input(value=cell):
+                _read(tmp_path, text)
+        else:
+            assert any("text after the numbers" in note for note in _read(tmp_path, text).notes)
+
+
+@pytest.mark.parametrize("row", [",,", "370,,"])
+def test_an_empty_row_under_a_heading_leaves_the_heading(tmp_path, row):
+    plain = _upright(["red", "green"]).splitlines()
+    read = _read(tmp_path, "\n".join([plain[0], row, *plain[1:]]))
+    assert read.curves.names == ("red", "green")
+    assert read.curves.values[-1].tolist() == [CURVES["red"][-1], CURVES["green"][-1]]
+
+
+def test_rows_that_begin_to_have_units_are_refused_at_their_line(tmp_path):
+    rows = [f"{w},.1" for w in AT_NM[:40]] + [f"{w}nm,.1" for w in AT_NM[40:]]
+    with refused_input(value=f"{AT_NM[40]}nm", where="line 42, column 'wavelength_nm'"):
+        _read(tmp_path, "\n".join(["wavelength_nm,a", *rows]))
+
+
+@pytest.mark.parametrize(("at", "cells", "value"), [
+    (0, "2.0%,.2", "2.0%"), (20, ".1,2 %", "2 %"), (-1, "10%,20%", "10%"), (None, "10%,.2", "10%"),
+])  # fmt: skip
+def test_a_percent_sign_after_some_values_is_refused(tmp_path, at, cells, value):
+    rows = [f"{w},.1,.2" if at is not None else f"{w},{cells}" for w in AT_NM]
+    if at is not None:
+        rows[at] = f"{AT_NM[at]},{cells}"
+    with refused_input(value=value):
+        _read(tmp_path, "\n".join(["wavelength_nm,a,b", *rows]))
+
+
+def test_a_percent_sign_after_each_value_is_a_hundredth(tmp_path):
+    rows = [f"{w},10%,20 %" for w in AT_NM]
+    read = _read(tmp_path, "\n".join(["wavelength_nm,a,b", *rows]))
+    assert read.curves.values[0].tolist() == [0.1, 0.2]
+
+
+@pytest.mark.parametrize("unit", ["mA/W", "counts", "ADU", "DN", "V/(lx s)", "permille"])
+def test_a_sensor_in_a_unit_of_no_response_is_refused(tmp_path, unit):
+    rows = [f"{w},.1,.2" for w in AT_NM]
+    text = "\n".join([f"wavelength_nm,a [{unit}],b [{unit}]", *rows])
+    path = tmp_path / "table.csv"
+    path.write_text(text, encoding="utf-8")
+    answers = Answers(beyond="hold", per="photon", level="absolute")
+    with refused_input(value=unit, remedy=("convert it",)):
+        read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=answers)
+
+
+def test_a_response_in_amperes_per_watt_of_some_curves_is_refused(tmp_path):
+    rows = [f"{w},.1,.2" for w in AT_NM]
+    with refused_input(value=("a", "b")):
+        _read(tmp_path, "\n".join(["wavelength_nm,a [A/W],b", *rows]))
 
 
 def test_a_second_heading_with_numbers_as_names_gives_the_names(tmp_path):

@@ -6,7 +6,7 @@ terms: the command line names the option, a study file the line and key, the pag
 """
 
 import json
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
@@ -234,7 +234,9 @@ class InputError(ValueError):
         where = ", ".join(part for part in parts if part)
         return _rebuilt(type(self), self.__dict__ | {"subject": subject, "where": where})
 
-    def inside(self, setting: str, names: Callable[[str], str]) -> "InputError":
+    def inside(
+        self, setting: str, names: Callable[[str], str], instead: Mapping[str, str] | None = None
+    ) -> "InputError":
         """The same error for a value given by a key of a study.
 
         Parameters
@@ -243,13 +245,18 @@ class InputError(ValueError):
             The key, e.g. ``sensors.0.name``.
         names
             Maps a parameter of the library to its key in the study.
+        instead
+            What to do in place of parameters that have no key.
 
         Returns
         -------
         InputError
         """
+        other = instead or {}
         remedy = tuple(
-            replace(one, name=names(one.name)) if isinstance(one, Setting) else one
+            one
+            if not isinstance(one, Setting)
+            else other.get(one.name) or replace(one, name=names(one.name))
             for one in self.remedy
         )
         return _rebuilt(type(self), self.__dict__ | {"setting": setting, "remedy": remedy})

@@ -221,6 +221,8 @@ def _remedy(curves: Spectra, answers: Answers) -> Remedy:
     few = (curves.values > 1).mean() < _MOST_OF_PERCENT
     if few or curves.values.max() <= FRACTION_AT_MOST or answers.scale == "percent":
         return "correct it"
+    if curves.values.max(axis=0).min() <= 1:
+        return "give all curves one unit"
     return Setting("scale", ("percent",))
 
 

@@ -588,7 +588,7 @@ def sensor_of(
     own = {name: f"{key}.{place}" for name, place in _ANSWER_KEYS.items()}
     own |= {} if part.pixel.file is None else {part.pixel.file: f"{key}.pixel.file"}
     pixel = _pixel_changes(part.pixel)
-    with keyed(f"{key}.name", lambda name: own.get(name, f"{key}.{name}"), own):
+    with keyed(f"{key}.name", lambda name: own.get(name, f"{key}.{name}"), own, _NO_KEYS):
         sensor = sensor_with_pixel(
             given.of(part.name), answers=_answers(part), varied=varied, **pixel
         )
@@ -672,7 +672,10 @@ def _answers(part: SensorPart) -> Answers:
 
 @contextmanager
 def keyed(
-    key: str, names: Callable[[str], str] = str, own: Mapping[str, str] | None = None
+    key: str,
+    names: Callable[[str], str] = str,
+    own: Mapping[str, str] | None = None,
+    instead: Mapping[str, str] | None = None,
 ) -> Iterator[None]:
     """An error inside names the key of the study, and its settings by their keys.
 
@@ -684,6 +687,8 @@ def keyed(
         From a parameter of the library to its key.
     own
         Keys of other values that are used inside, by the subject of their errors.
+    instead
+        As `InputError.inside`.
 
     Raises
     ------
@@ -697,7 +702,10 @@ def keyed(
             raise
         place = (own or {}).get(error.subject, key)
         named = error.called(_STUDY_NAMES.get(error.subject, error.subject))
-        raise named.inside(place, names) from error.__cause__
+        raise named.inside(place, names, instead) from error.__cause__
+
+
+_NO_KEYS = {"columns": "choose columns with `chromanoise convert --column`"}
 
 
 def unresolved(study: Study) -> list[InputError]:

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from chromanoise.base import Array, text_of_cell
+from chromanoise.base import Array, InputError, text_of_cell
 from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.declared import (
     declared_keys,
@@ -103,11 +103,11 @@ def table_of(
     rows, turned = as_columns(rows)
     first = _first_row_of_numbers(rows, decimal == ",")
     body = [row for row in rows[first:] if any(row.cells)]
-    body, after = _without_words_after(body, decimal == ",", where)
+    body, after = _without_words_after(body, decimal == ",", source, where)
     if len(body) < 2:
         need = "must have at least 2 rows of a wavelength and a value"
         raise refused(source, need, len(body), f"has {len(body)} in {len(rows)} {where}s")
-    above = list(rows[:first])
+    above = [row for row in rows[:first] if any(row.cells)]
     longest = max(len(_bare(row.cells)) for row in body)
     while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
         above.pop()
@@ -121,7 +121,7 @@ def table_of(
     _refuse_no_wavelengths(numbers, body, _in_pairs(heads, numbers), source, where)
     words = " ".join([*comments, *(" ".join(cells) for cells in heads[:-1])])
     keys = dict(declared_keys([*comments, *(": ".join(h) for h in heads if len(h) == 2)]))
-    if any("%" in cell for cell in body[0].cells):
+    if _in_percent(body, names, 2 if _in_pairs(heads, numbers) else 1, source, where):
         keys["scale"] = "percent"
     if unit is not None:  # the unit of a quantity, which does not declare the level
         keys.pop("unit", None)
@@ -134,6 +134,24 @@ def table_of(
         return _digitized(found, heads, numbers)
     lines = [row.number for row in body]
     return _shared(found, names, numbers, lines, where, unit)
+
+
+def _in_percent(
+    body: Sequence[Row], names: tuple[str, ...], step: int, source: str, where: str
+) -> bool:
+    """Whether the values have percent signs; if some of them have, which is refused."""
+    if not any("%" in cell for row in body for cell in row.cells):
+        return False
+    cells = [(row, k) for row in body for k in range(1, len(row.cells), step)]
+    filled = [(row, k) for row, k in cells if row.cells[k].lower() not in _MISSING]
+    signed = [(row, k) for row, k in filled if "%" in row.cells[k]]
+    if len(signed) < len(filled) and not any("%" in name for name in names):
+        are_few = len(signed) <= len(filled) / 2
+        row, k = next((row, k) for row, k in filled if ("%" in row.cells[k]) == are_few)
+        need = "must have a percent sign after each value or after none"
+        place = f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}"
+        raise refused(source, need, row.cells[k], where=place, remedy="correct it")
+    return bool(signed)
 
 
 def _name(cell: str) -> str:
@@ -158,7 +176,7 @@ def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
 def _continues(row: Row, following: Row, comma: bool) -> bool:
     """Whether a row begins with a number as close to that of the following row as wavelengths."""
     first, other = (number_in(one.cells[0], decimal_comma=comma) for one in (row, following))
-    return sum(map(bool, row.cells)) > 1 and 0.5 * other < first < 2 * other
+    return len(row.cells) > 1 and 0.5 * other < first < 2 * other
 
 
 def _with_wavelengths_first(
@@ -215,7 +233,7 @@ def _is_no_curve(name: str, rows: Iterable[tuple[str, ...]], k: int, comma: bool
 
 
 def _without_words_after(
-    body: list[Row], comma: bool, where: str
+    body: list[Row], comma: bool, source: str, where: str
 ) -> tuple[list[Row], tuple[str, ...]]:
     """The rows up to the text that follows the last number, and a note on that text."""
     end = len(body)
@@ -228,6 +246,11 @@ def _without_words_after(
             end = i
     if end == len(body) or any(_NUMERAL.match(row.cells[0]) for row in body[end:]):
         return body, ()
+    for row in body[end:]:
+        values = [cell for cell in row.cells[1:] if cell]
+        numbers = bool(values) and all(is_number(cell, decimal_comma=comma) for cell in values)
+        if numbers and _like_a_number(row.cells[0]):
+            raise _no_wavelength(row, source, where)
     first = body[end]
     text = next(cell for cell in first.cells if cell)
     count = len(body) - end
@@ -273,15 +296,32 @@ def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
 def _refuse_no_wavelength_before_numbers(
     above: Sequence[Row], comma: bool, source: str, where: str
 ) -> None:
-    """Below a heading of wavelengths ``4x0, 0.1`` is a faulty row of data, no second heading."""
-    starts = [i for i, row in enumerate(above) if is_wavelength_heading(row.cells[0])]
-    for row in above[starts[0] + 1 :] if starts else ():
-        values = [cell for cell in row.cells[1:] if cell]
-        has_digit = any(map(str.isdigit, row.cells[0]))
-        if has_digit and values and all(is_number(cell, decimal_comma=comma) for cell in values):
-            need = "must begin with a wavelength"
-            remedy = ("correct it", "remove the row")
-            raise refused(source, need, row.cells[0], where=f"{where} {row.number}", remedy=remedy)
+    """Refuse ``4x0, 0.1`` above the rows of data: it is one of them, and no heading."""
+    headed = False
+    for row in above:
+        first, values = row.cells[0], [cell for cell in row.cells[1:] if cell]
+        if is_wavelength_heading(first):  # so are units, above numbers as names
+            headed = True
+            continue
+        if not values or not all(is_number(cell, decimal_comma=comma) for cell in values):
+            continue
+        no_names = row is above[-1] and not all(map(str.isdigit, values))
+        if _like_a_number(first) or (headed and (no_names or first.lower() in _NO_NUMBER)):
+            raise _no_wavelength(row, source, where)
+
+
+def _like_a_number(cell: str) -> bool:
+    """Whether a cell that is no number has more digits than letters, as ``4x0`` or ``400 410``."""
+    digits = sum(map(str.isdigit, cell))
+    return digits > sum(map(str.isalpha, cell))
+
+
+_NO_NUMBER = (*_MISSING, "nan", "inf")
+
+
+def _no_wavelength(row: Row, source: str, where: str) -> InputError:
+    need, remedy = "must begin with a wavelength", ("correct it", "remove the row")
+    return refused(source, need, row.cells[0], where=f"{where} {row.number}", remedy=remedy)
 
 
 def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
@@ -329,7 +369,9 @@ def _numbers(
                 need, place = "the wavelength must be a plain number", f"{where} {row.number}"
                 raise refused(source, need, cell, where=place, remedy="correct it")
             if value != value and cell.lower() not in _MISSING:
-                need = f"must be a finite number below {LARGEST:g}"
+                comma = decimal == ","
+                too_large = is_number(cell, decimal_comma=comma) and len(cell) < _LONGEST_CELL
+                need = f"must be a number{f' below {LARGEST:g}' if too_large else ''}"
                 place = f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}"
                 cures = ("correct it", "remove the row")
                 raise refused(source, need, cell, where=place, remedy=cures)
@@ -539,6 +581,8 @@ def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[st
     first = next((i for i, match in enumerate(at) if match), None)
     if first is None or sum(map(bool, at)) < 2:
         return rows, ()
+    if first and _UNSIGNED.fullmatch(rows[first - 1].cells[0]):
+        return rows, ()  # plain wavelengths above: these rows are refused where numbers are read
     plain = [
         Row(row.number, (match[1], *row.cells[1:])) if match else row
         for row, match in zip(rows[first:], at[first:], strict=True)

@@ -116,6 +116,7 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
             *defects_of(curves, quantity, scale, points, level=level),
         ),
         own_form=found.heading == "wavelength_nm",
+        units=tuple(one.unit for one in columns),
         said_source=found.said_source,
         said_notes=found.said_notes,
     )
@@ -254,18 +255,15 @@ def _scale(
     said = answers.scale or found.scale
     if said:
         return said, (0.01 if said == "percent" else 1.0), ()
+    _refuse_some(columns, r"\ba\s*/\s*w\b", "A/W", found.source)
     if quantity in ("power", "response"):
         return "as written", 1.0, ()
     highs = [_highest(p) for p in points]
     highest = max(highs)
     declared = scale_of_key(found.keys)
     percent = [c for c in columns if re.search(_PERCENT, f"{c.name} [{c.unit}]".lower())]
-    if declared is None and 0 < len(percent) < len(columns):
-        other = next(c.name for c in columns if c not in percent)
-        need = "must have all curves in one unit"
-        held = f"{percent[0].name} is in percent by its heading and {other} is not"
-        remedy = ("give all curves one unit", Setting("columns"))
-        raise refused(found.source, need, (percent[0].name, other), held, remedy=remedy)
+    if declared is None:
+        _refuse_some(columns, _PERCENT, "percent", found.source)
     if declared == "percent" or percent:
         return "percent", 0.01, ("declared as percent: divided by 100",)
     if declared == "fraction":
@@ -278,6 +276,17 @@ def _scale(
         note = f"a {quantity} of {highest:g} can only be in percent: divided by 100"
         return "percent", 0.01, (note,)
     return "as written", 1.0, ()
+
+
+def _refuse_some(columns: list[Column], words: str, unit: str, source: str) -> None:
+    """Refuse curves of which some, but not all, have a unit by their headings."""
+    has = [bool(re.search(words, f"{one.name} [{one.unit}]".lower())) for one in columns]
+    if any(has) and not all(has):
+        own, other = columns[has.index(True)].name, columns[has.index(False)].name
+        need = "must have all curves in one unit"
+        held = f"{own} is in {unit} by its heading and {other} is not"
+        remedy = ("give all curves one unit", Setting("columns"))
+        raise refused(source, need, (own, other), held, remedy=remedy)
 
 
 def _highest(points: Sorted) -> float:
@@ -293,7 +302,7 @@ def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | Non
     if given or word in get_args(Level):
         return given or cast("Level", word)
     heads = _heads(found, columns)
-    if re.search(r"relative|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", heads):
+    if re.search(r"relative|\brel\b|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", heads):
         return "relative"
     return "absolute" if re.search(r"absolute|e-?/photon|\ba\s*/\s*w\b", heads) else None
 

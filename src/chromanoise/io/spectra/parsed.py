@@ -253,6 +253,8 @@ class ParsedSpectra(_Described):
         Standard deviations, if the file has columns of them.
     own_form
         Whether the heading is ``wavelength_nm``, as in the documented table of a sensor's QE.
+    units
+        The unit of each curve in its heading; empty where it has none.
     """
 
     curves: Spectra
@@ -265,6 +267,7 @@ class ParsedSpectra(_Described):
     deviations: Spectra | None = None
     questions: tuple[Question, ...] = ()
     own_form: bool = False
+    units: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.factor) or self.factor <= 0:

@@ -248,6 +248,10 @@ _READING = (
     r"(?i)(?:.*: )?(?:dark|background|ref|reference)"
     r"(?: (?:spectrum|scan|reading|signal|counts|intensity|\d+))?"
 )
+_NO_RESPONSE = (
+    r"(?i)m[aw]/.*|[µμu]a/.*|counts?(?:/.*)?|adu(?:/.*)?|dn(?:/.*)?|lsb(?:/.*)?|[mµμu]?v(?:/.*)?|"
+    r"[mµμun]?a|e-?|electrons?|photons?|permille|‰|nm"
+)
 _MENTIONED = r"(?i)\b(qe|quantum efficiency|responsivity|sensitivity|reflect\w*|transmi\w*|A/W)\b"
 
 
@@ -267,7 +271,7 @@ class UndeclaredError(InputError):
     --------
     >>> light = Question("columns", "which curve?", (Setting("columns"),))
     >>> str(UndeclaredError("lamp.csv", (light,)))
-    'lamp.csv: which curve?; set columns'
+    'lamp.csv: which curve? set columns'
     """
 
     counts: tuple[int, ...]
@@ -282,12 +286,11 @@ class UndeclaredError(InputError):
 
     def sentence(self, *, subject: str | None = None, render: Render = str) -> str:
         """As in `InputError`, but with the settings of all questions, which all need answers."""
-        settings = iter(one for one in self.remedy if isinstance(one, Setting))
-        needed = [
-            " or ".join(render(next(settings)) for _ in range(count)) for count in self.counts
-        ]
+        cures = iter(one if isinstance(one, str) else render(one) for one in self.remedy)
+        needed = [" or ".join(next(cures) for _ in range(count)) for count in self.counts]
         text = self.subject if subject is None else subject
-        return f"{text}: {self.requirement}; {', and '.join(needed)}"
+        pause = "" if self.requirement.endswith("?") else ";"
+        return f"{text}: {self.requirement}{pause} {', and '.join(needed)}"
 
 
 def use_of(quantity: Quantity | None) -> Use:
@@ -461,6 +464,10 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
         raise has(source, required, parsed.quantity, "holds")
     asked = tuple(sensor_questions(parsed, answers))
     _refuse_open(parsed, (*scale_questions(parsed, answers), *asked) if asked else ())
+    for name, unit in zip(parsed.curves.names, parsed.units, strict=False):
+        if re.fullmatch(_NO_RESPONSE, unit):
+            required, cure = "must be in A/W, percent or electrons per photon", "convert it"
+            raise refused(source, required, unit, f"{name} is in {unit}", remedy=cure)
     curves, notes = parsed.curves, _said(parsed)
     if parsed.per == "energy":
         per_photon = 1.0 / photons_per_joule(curves.wavelength_nm)[:, None] / _ELEMENTARY_CHARGE_C
