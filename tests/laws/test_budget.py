@@ -47,6 +47,7 @@ from chromanoise.spectra import (
     DEFAULT_GRID,
     Illuminant,
     Scene,
+    cie_illuminant,
     color_axes,
     equal_energy,
     flat_field,
@@ -57,8 +58,10 @@ from chromanoise.study import (
     Outcome,
     analyzed,
     color_budgets,
+    color_snr_db,
     contravariant_budgets,
     lab_budgets,
+    missing_color_budgets,
     missing_lab_budgets,
     sensor_named,
 )
@@ -475,6 +478,21 @@ def test_a_copy_of_a_channel_has_no_contravariant_budget():
     values = [contravariant_budget(WHITE, sensor, EXPOSURE, frame, n) for n in sensor.names]
     assert values[0] is not None
     assert values[1:] == [None, None]
+
+
+def test_a_coordinate_that_is_infrared_alone_has_no_budget_and_a_sentence_says_why():
+    lamp = cie_illuminant("A", DEFAULT_GRID)
+    infrared = box(700, 1050)
+    for leak, missing in ((0.1, ()), (0.4, ("Z",))):
+        red, blue = (0.6 * box(560, 640) + leak * infrared, 0.5 * box(470, 520) + leak * infrared)
+        sensor = sensor_of(red, 0.6 * box(480, 600), blue)
+        at = analyzed(flat_field(lamp, level_lux=10.0), sensor, EXPOSURE)
+        budgets = color_budgets(at)
+        assert tuple(n for n, one in zip("XYZ", budgets, strict=True) if one is None) == missing
+        assert color_snr_db(at)["Z"] is not None
+        said = missing_color_budgets(at, budgets)
+        assert (said is None) == (not missing)
+        assert said is None or "no budget of Z," in said
 
 
 # of many sensors at once

@@ -30,6 +30,7 @@ from chromanoise.study import (
     contravariant_snr_db,
     lab_budgets,
     metric_of,
+    missing_color_budgets,
     missing_lab_budgets,
     raw_snr_db,
     white_snr_db,
@@ -125,7 +126,11 @@ def budget_tables(analysis: Analysis) -> list[Table]:
     color, contravariant = color_budgets(analysis), contravariant_budgets(analysis)
     lab = lab_budgets(analysis)
     tables = [
-        _budget_table(color, f"Budget of the color of {name} ({metric})"),
+        _budget_table(
+            color,
+            f"Budget of the color of {name} ({metric})",
+            missing_color_budgets(analysis, color),
+        ),
         _budget_table(
             contravariant, f"Budget of the contravariant coordinates of {name} ({metric})"
         ),

@@ -601,6 +601,29 @@ def _budget_request(
     )
 
 
+def missing_color_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> str | None:
+    """Why `color_budgets` lacks a coordinate that has an SNR; ``None`` where none is missing.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    budgets
+        Budgets of X, Y and Z; ``None`` where a budget is undefined.
+    """
+    has_snr = color_snr_db(analysis)
+    found = zip(analysis.color.names, budgets, strict=True)
+    missing = [name for name, budget in found if budget is None and has_snr[name] is not None]
+    if not missing or analysis.readout is not None:
+        return None
+    listed = " and ".join(missing)
+    return (
+        f"{analysis.sensor.label}: no budget of {listed}, because without infrared, or with "
+        f"channels weighted one by one, it has no {listed} above 0; add an IR-cut, or use another "
+        "matrix"
+    )
+
+
 def missing_lab_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> str | None:
     """The reason why `lab_budgets` lacks a coordinate; ``None`` where none is missing.
 
