@@ -227,7 +227,7 @@ def test_the_script_of_a_study_prints_the_numbers_of_its_run(text, tmp_path, mon
 
 def test_a_script_holds_words_of_a_study_as_words_only():
     text = SMALL.replace('"onyx-rgbw"', json.dumps("x') or print(1) #\\\n"))
-    study = study_from_text('title = "\\u0000\\n\\"\\"\\" boo"\n' + text, source="text")
+    study = study_from_text('title = "\\t\\n\\"\\"\\" boo"\n' + text, source="text")
     compile(study_as_python(study), "script", "exec")
     with refused_input(setting_name="name"):
         exec(compile(study_as_python(study), "script", "exec"), {})
@@ -441,8 +441,8 @@ def test_files_of_a_study_are_told_from_its_own_folder(tmp_path, monkeypatch):
 
 def test_a_sensor_by_a_name_that_no_file_can_have_is_one_sentence(tmp_path):
     for name in ("x" * 5000, "a\0.json", "a\0"):
-        study = study_from_text(f"[[sensors]]\nname = {json.dumps(name)}", source="text")
         with pytest.raises(InputError) as error:
+            study = study_from_text(f"[[sensors]]\nname = {json.dumps(name)}", source="text")
             run_study(study, tmp_path / "o")
         assert len(str(error.value).splitlines()) == 1
         with pytest.raises(InputError):
@@ -607,8 +607,9 @@ def test_a_change_wins_over_the_file_and_is_named_where_it_is_wrong():
     assert study.sensors[1].pixel == PixelPart(read_noise_e=2.0, pitch_um=2.0)
     for change, fields in [
         ("light.level_lux=-1", {"subject": "level_lux", "value": -1}),
-        (f"light.level_lux=1{0:0400}", {"subject": "light.level_lux", "value": float("inf")}),
+        (f"light.level_lux=1{0:0400}", {"subject": "level_lux", "value": float("inf")}),
         ("light.lux=1", {"subject": "lux", "remedy": ("did you mean level_lux?",)}),
+        ("title=a\x1b[31m", {"subject": "title", "value": "a\x1b[31m"}),
         ("light", {"value": "light"}),
         ("sensors.7.name=x", {"value": "7"}),
         ("seed.0=1", {"value": "seed.0"}),
@@ -623,6 +624,13 @@ def test_a_change_wins_over_the_file_and_is_named_where_it_is_wrong():
             small([change])
         assert str(error.value).startswith(f"change {change[:80]}")
         assert len(str(error.value)) < 500
+
+
+def test_a_study_with_a_byte_order_mark_is_that_without(tmp_path):
+    for name, start in (("plain.toml", b""), ("marked.toml", b"\xef\xbb\xbf")):
+        (tmp_path / name).write_bytes(start + SMALL.encode("utf-8"))
+    plain, marked = (read_study(tmp_path / name) for name in ("plain.toml", "marked.toml"))
+    assert plain.model_dump() == marked.model_dump()
 
 
 def test_the_caller_names_the_changes_in_errors():

@@ -142,6 +142,15 @@ def test_a_sensor_in_a_unit_of_no_response_is_refused(tmp_path, unit):
         read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=answers)
 
 
+def test_a_sensor_of_very_many_curves_is_refused(tmp_path):
+    path = tmp_path / "table.csv"
+    head = ",".join(["wavelength_nm", *(f"c{k}" for k in range(257))])
+    rows = [",".join([str(w), *["0.1"] * 257]) for w in AT_NM]
+    path.write_text("\n".join([head, *rows]), encoding="utf-8")
+    with refused_input(value=257):
+        read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=Answers(beyond="hold"))
+
+
 def test_a_response_in_amperes_per_watt_of_some_curves_is_refused(tmp_path):
     rows = [f"{w},.1,.2" for w in AT_NM]
     with refused_input(value=("a", "b")):

@@ -13,6 +13,7 @@ them, all faults at once, each with its place:
 import inspect
 import json
 import math
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, field, is_dataclass, replace
 from functools import cache
@@ -584,12 +585,17 @@ def _of_plain_type(kind: Any, accepted: Any, words: str) -> _Check:
     def checked(value: Any, place: Place) -> Any:
         if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
             return place.refuse(f"must be a valid {words}", value)
+        if kind is str and _CONTROL.search(value):
+            return place.refuse("must have no control characters", value)
         try:
             return kind(value)
         except OverflowError:  # of a whole number of over 308 digits
             return place.refuse("must be a finite number", math.inf if value > 0 else -math.inf)
 
     return checked
+
+
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")  # but line breaks and tabs
 
 
 _PLAIN: dict[Any, _Check] = {

@@ -12,7 +12,7 @@ import numpy as np
 
 from chromanoise.base import Remedy, Setting, __version__, check, json_text, kept
 from chromanoise.io.curve_files import read_curves
-from chromanoise.io.source_files import refused
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.interpretation import FRACTION_AT_MOST
 from chromanoise.io.spectra.parsed import (
     ASK,
@@ -176,6 +176,7 @@ def _flag(value: Any) -> bool:
 
 
 _WIDE_GAP_NM = 30.0
+_MOST_CHANNELS = 256
 _MOST_OF_PERCENT = 0.1  # share of values above 1: with fewer, these are errors
 
 
@@ -210,6 +211,10 @@ def read_sensor(
 def _sensor_of(
     parsed: ParsedSpectra, named: tuple[str, str], grid: Grid, pixel: Pixel, answers: Answers
 ) -> Sensor:
+    count = len(parsed.curves.names)
+    if count > _MOST_CHANNELS:
+        need = f"must have at most {_MOST_CHANNELS} curves for a sensor"
+        raise has(parsed.curves.source, need, count, remedy="keep those of its channels")
     curves = qe_of(parsed, answers)
     return _sensor(named, curves, grid, pixel, answers.beyond, remedy=_remedy(curves, answers))
 

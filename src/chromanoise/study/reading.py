@@ -165,7 +165,7 @@ def document_text(path: Path, kind: str) -> str:
     """
     content = first_bytes(path, _LARGEST_BYTES + 1, pipe=True)
     try:
-        text = content.decode("utf-8")
+        text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(
             str(path), "is not a UTF-8 text file", remedy=f"save the {kind} as UTF-8"
