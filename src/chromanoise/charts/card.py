@@ -582,7 +582,7 @@ def _draw_patches(card: Card, part: SubFigure) -> None:
         for i, analysis in enumerate(card.of.analyses):
             reason = (saturation_sentence(analysis) or "").partition(": ")[2].partition(";")[0]
             ax.text(0, 1 + i, reason, va="center")
-    what = "with the matrix of the last line, as budgets and pictures"
+    what = "with the matrix named at the bottom, as budgets and pictures"
     _heading(part, f"Color error of each patch [ΔE*ab, without noise], {what}")
 
 

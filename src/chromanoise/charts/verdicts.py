@@ -373,7 +373,7 @@ def _another_order(found: EqualColor, able: Sequence[Analysis]) -> list[str]:
     )
     why = ""
     if own is not None and other is not None and own > other:
-        why = f", because its color error is larger ({own:.1f} against {other:.1f} ΔE*ab)"
+        why = f", but a larger color error ({own:.1f} against {other:.1f} ΔE*ab)"
     return [
         f"With this matrix {least} has less visual noise than {first} "
         f"({three_digits(known[least])} against {three_digits(known[first])}){why}."
