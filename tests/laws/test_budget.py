@@ -31,7 +31,7 @@ from chromanoise.metrics import (
     shapley_values,
 )
 from chromanoise.metrics.budget import counting_snr_db
-from chromanoise.metrics.snr_chain import CAUSES
+from chromanoise.metrics.snr_chain import CAUSES, Seen, rounded_share
 from chromanoise.noise import Exposure, expected_electrons, noise_sources, with_noise
 from chromanoise.sensor import (
     SOURCES,
@@ -480,13 +480,49 @@ def test_a_copy_of_a_channel_has_no_contravariant_budget():
     assert values[1:] == [None, None]
 
 
+def leaking(leak):
+    """A sensor whose red and blue let infrared through."""
+    infrared = leak * box(700, 1050)
+    return sensor_of(
+        0.6 * box(560, 640) + infrared, 0.6 * box(480, 600), 0.5 * box(470, 520) + infrared
+    )
+
+
+def test_a_matrix_that_reverses_a_coordinate_leaves_it_without_a_budget():
+    sensor = sensor_of(*(0.5 * box(*one) for one in BANDS))
+    matrix = kernel_matrix(sensor, EXPOSURE)
+    swapped = replace(matrix, matrix=matrix.matrix[[1, 0, 2]])  # a* ~ X - Y
+    given = (GRAY, sensor, EXPOSURE, swapped)
+    found = {name: lab_budget(*given, name) for name in COORDINATES}
+    assert [name for name, one in found.items() if one is None] == ["a*"]
+    request = BudgetRequest(
+        scene=GRAY, sensor=sensor, exposure=EXPOSURE, matrix=swapped, coordinates=COORDINATES
+    )
+    (together,) = budgets_of([request])
+    assert list(together) == ["L*", "b*"]
+    for name, one in together.items():
+        assert np.abs(fields_of(one) - fields_of(found[name])).max() < 1e-12
+        assert [cost.reading for cost in one.costs] == [cost.reading for cost in found[name].costs]
+
+
+@pytest.mark.parametrize("mean_e", [3.0, 45.0, 120.0])
+def test_coarse_rounding_multiplies_a_change_by_the_slope_of_the_rounded_mean(mean_e):
+    """The slope by differences of fourth order, from two steps (Richardson 1911)."""
+    noise = noise_sources(with_pixel(sensor_of(*APART), {"bits": 8, "full_well_e": 2e4}))
+    seen = Seen(signal_e=np.ones((1, 1)), noise_e=np.full((1, 1), mean_e), is_change=True)
+
+    def slope(step_e):
+        ends = np.array([mean_e - step_e, mean_e + step_e])
+        return float(np.diff(ends + noise.rounded(ends)[0])[0] / (2 * step_e))
+
+    wanted = (4 * slope(0.05) - slope(0.1)) / 3
+    assert rounded_share(seen, noise)[0, 0] == pytest.approx(wanted, rel=1e-5)
+
+
 def test_a_coordinate_that_is_infrared_alone_has_no_budget_and_a_sentence_says_why():
     lamp = cie_illuminant("A", DEFAULT_GRID)
-    infrared = box(700, 1050)
     for leak, missing in ((0.1, ()), (0.4, ("Z",))):
-        red, blue = (0.6 * box(560, 640) + leak * infrared, 0.5 * box(470, 520) + leak * infrared)
-        sensor = sensor_of(red, 0.6 * box(480, 600), blue)
-        at = analyzed(flat_field(lamp, level_lux=10.0), sensor, EXPOSURE)
+        at = analyzed(flat_field(lamp, level_lux=10.0), leaking(leak), EXPOSURE)
         budgets = color_budgets(at)
         assert tuple(n for n, one in zip("XYZ", budgets, strict=True) if one is None) == missing
         assert color_snr_db(at)["Z"] is not None
@@ -521,17 +557,21 @@ def test_budgets_of_many_sensors_at_once_are_those_of_each_alone():
         *(with_pixel(one, coarse) for one in sensors[30:40]),
         *(crossed(sensors[50], share, "charge", "c0 c1/c1 c2") for share in (0.1, 0.2)),
         noisy("onyx-rgbw"),
+        sensor_of(*(0.5 * box(*one) for one in (*BANDS, (400, 700)))),
         *(crossed(noisy(name), 0.1, stage) for name in MOSAICS for stage in ("light", "charge")),
     ]
+    lamp = cie_illuminant("A", DEFAULT_GRID)
+    bright = flat_field(lamp, level_lux=10.0, reflectance=0.18)
+    lit = [*((GRAY, one) for one in sensors), *((bright, leaking(one)) for one in (0.1, 0.4))]
     requests = [
         BudgetRequest(
-            scene=GRAY,
+            scene=scene,
             sensor=one,
             exposure=EXPOSURE,
             matrix=kernel_matrix(one, EXPOSURE),
             coordinates=(*EVERY, *(f"M^{name}" for name in one.names)),
         )
-        for one in sensors
+        for scene, one in lit
     ]
     together = budgets_of(requests)
     for request, found in zip(requests, together, strict=True):

@@ -441,9 +441,9 @@ def test_files_of_a_study_are_told_from_its_own_folder(tmp_path, monkeypatch):
 
 def test_a_sensor_by_a_name_that_no_file_can_have_is_one_sentence(tmp_path):
     for name in ("x" * 5000, "a\0.json", "a\0"):
+        text = f"[[sensors]]\nname = {json.dumps(name)}"
         with pytest.raises(InputError) as error:
-            study = study_from_text(f"[[sensors]]\nname = {json.dumps(name)}", source="text")
-            run_study(study, tmp_path / "o")
+            run_study(study_from_text(text, source="text"), tmp_path / "o")
         assert len(str(error.value).splitlines()) == 1
         with pytest.raises(InputError):
             sensor_with_pixel(name)

@@ -420,7 +420,7 @@ class _Asked:
         """What chains that are evaluated together have in common."""
         chain = self.chain
         alone = id(chain) if self.is_rounded else 0  # the digits of a slope depend on the others
-        lacks = (chain.before_crosstalk is None, chain.behind_cut is None, self.snr_db is None)
+        lacks = (chain.behind_cut is None, self.snr_db is None)
         size = chain.channels.row.shape[-1]
         return (self.causes, alone, lacks, size, chain.noise, id(chain.crosstalk))
 

@@ -161,7 +161,7 @@ def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
         Whether the budget separates the infrared.
     """
     noise = chain.noise
-    own = {one.cause for one in noise.sources if noise.has(one) and one.value(noise)}
+    own = {one.cause for one in noise.sources if one.value(noise)}
     own |= set() if noise.pattern is None else {PATTERN}
     more = tuple(name for name in more_noise(noise) if name in own)
     mixed = (CROSSTALK,) if chain.before_crosstalk is not None else ()
@@ -232,7 +232,7 @@ def _added_e2(
 ) -> Float[Array, "*k s p"]:
     """Variance of sources that each set switches on, without shot noise. [e-^2]"""
     values = noise.by_source(mean_e)
-    names = [one.cause for one in noise.sources if one.drawn in drawn and one.cause != SHOT]
+    names = [one.cause for one in noise.sources if one.drawn in drawn]
     total = np.zeros((*mean_e.shape[:-1], len(sets), mean_e.shape[-1]))
     for name in names:
         if values[name].any():
