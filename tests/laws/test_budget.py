@@ -5,7 +5,9 @@ CIELAB is the faintest change, and its budget ends at 1 / sigma. The gain of a c
 removal brings.
 """
 
-from dataclasses import replace
+import json
+import warnings
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from math import factorial
 
@@ -35,6 +37,7 @@ from chromanoise.metrics.snr_chain import CAUSES, Seen, rounded_share
 from chromanoise.noise import Exposure, expected_electrons, noise_sources, with_noise
 from chromanoise.sensor import (
     SOURCES,
+    NoiseSource,
     Pixel,
     Sensor,
     crosstalk_of_share,
@@ -76,6 +79,7 @@ WHITE = flat_field(LAMP, level_lux=10.0)
 EXPOSURE = Exposure(time_s=0.012)
 COORDINATES = LAB.coordinates
 EVERY = (*"XYZ", *COORDINATES)
+PLAIN = {"pitch_um": 10.0, "full_well_e": 1e6, "read_noise_e": 10.0}
 BANDS = ((400, 520), (480, 620), (580, 700))
 GRAY_ROOT = 0.18 ** (1 / 3)
 
@@ -451,6 +455,10 @@ def test_a_full_precedence_is_a_plain_chain(worths):
         assert shares[player] == pytest.approx(value[steps[i + 1]] - value[steps[i]], abs=1e-9)
 
 
+def test_a_game_without_players_has_no_shares():
+    assert shapley_values(lambda _: 0.0, ()) == {}
+
+
 def test_a_circle_of_precedence_is_refused():
     with refused_input(subject="precedence", value=(("a", "b"), ("b", "a"))):
         shapley_values(lambda _: 0.0, "ab", [("a", "b"), ("b", "a")])
@@ -535,9 +543,25 @@ def test_a_coordinate_that_is_infrared_alone_has_no_budget_and_a_sentence_says_w
 
 
 def fields_of(budget):
-    costs = [(one.cost_db, one.gain_if_removed_db or 0.0) for one in budget.costs]
+    costs = [
+        (one.cost_db, -1e3 if one.gain_if_removed_db is None else one.gain_if_removed_db)
+        for one in budget.costs
+    ]
     ends = (budget.photons_db, budget.optimal_linear_snr_db, budget.snr_db)
     return np.array([*ends, *np.ravel(costs)])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flickering(Pixel):
+    """A pixel of a class of one's own, whose noise is no part of its comparison."""
+
+    flicker_e: float = field(default=0.0, compare=False)
+    own_noise = (
+        NoiseSource(
+            cause="flicker noise", drawn="reading", term="floor_e2",
+            value=lambda of: of.pixel.flicker_e**2,
+        ),
+    )  # fmt: skip
 
 
 def test_budgets_of_many_sensors_at_once_are_those_of_each_alone():
@@ -553,8 +577,14 @@ def test_budgets_of_many_sensors_at_once_are_those_of_each_alone():
     sensors[7] = sensor_of(box(400, 500), box(500, 600), box(500, 600))  # no M^c1
     sensors[20] = with_pixel(sensors[20], {"read_noise_e": 2.0})
     coarse = {"bits": 8, "full_well_e": 2e4}  # coarse for some of the sensors
+    hidden = coarse | {"read_noise_e": 60.0}  # coarse without read noise only
     sensors += [
         *(with_pixel(one, coarse) for one in sensors[30:40]),
+        *(with_pixel(one, hidden) for one in sensors[40:50]),
+        *(
+            replace(sensors[51], pixel=Flickering(**PLAIN, flicker_e=flicker_e))
+            for flicker_e in (6.0, 20.0)
+        ),
         *(crossed(sensors[50], share, "charge", "c0 c1/c1 c2") for share in (0.1, 0.2)),
         noisy("onyx-rgbw"),
         sensor_of(*(0.5 * box(*one) for one in (*BANDS, (400, 700)))),
@@ -578,13 +608,42 @@ def test_budgets_of_many_sensors_at_once_are_those_of_each_alone():
         (alone,) = budgets_of([request])
         assert found.keys() == alone.keys()
         for name, budget in found.items():
-            assert np.abs(fields_of(budget) - fields_of(alone[name])).max() < 1e-12
+            assert np.abs(fields_of(budget) - fields_of(alone[name])).max() < 1e-13
             assert [one.reading for one in budget.costs] == [
                 one.reading for one in alone[name].costs
             ]
     assert [name for name in requests[7].coordinates if name not in together[7]] == [
         *("M^c1", "M^c2")
     ]
+
+
+def test_the_json_of_budgets_is_the_same_after_other_outputs():
+    at = [cn.analyze("onyx-rgbw", "onyx-rgb", "model-rgb", lux=10.0) for _ in range(2)]
+    for one in at[1].analyses:
+        assert None not in (*color_budgets(one), *contravariant_budgets(one), *lab_budgets(one))
+    assert json.dumps(at[0].to_dict()) == json.dumps(at[1].to_dict())
+
+
+def test_a_sensor_without_any_snr_for_a_coordinate_has_no_gain_and_no_warning():
+    """An IR-cut leaves nothing of a channel that sees only infrared; coarse steps leave no SNR."""
+    infrared = sensor_of(box(400, 650), box(750, 1050))
+    coarse = with_pixel(
+        sensor_named("model-rgb"), {"bits": 8, "full_well_e": 2e4, "read_noise_e": 17.6}
+    )
+    for sensor, lux in ((infrared, 10.0), (coarse, 0.051)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            found = every_budget(sensor, lux)
+        for budget in found.values():
+            for one in budget.costs:
+                assert one.gain_if_removed_db is None or np.isfinite(one.gain_if_removed_db)
+
+
+def test_a_scene_of_several_points_is_refused():
+    sensor = sensor_of(*APART)
+    scene = Scene(illuminant=LAMP, level_lux=10.0, reflectance=np.ones((2, AT.size)))
+    with refused_input(subject="scene of a budget", value=(2,)):
+        color_budget(scene, sensor, EXPOSURE, kernel_matrix(sensor, EXPOSURE))
 
 
 @pytest.mark.parametrize(

@@ -149,10 +149,9 @@ def test_spectra_written_as_json_are_read_back_whole(tmp_path_factory, spectra):
     assert np.array_equal(read.curves.values, spectra.values)
 
 
-@pytest.mark.parametrize("name", [" R", "R\u2028G"])
-def test_a_name_that_readers_by_lines_would_change_is_refused(name):
-    with refused_input(subject="a camera", value=name):
-        sensor_csv(rgb(np.full((3, 1), 0.5), names=(name,)))
+def test_a_name_that_readers_by_lines_would_change_is_refused():
+    with refused_input(subject="a camera", value=" R"):
+        sensor_csv(rgb(np.full((3, 1), 0.5), names=(" R",)))
 
 
 def test_a_plain_csv_reader_finds_head_and_rows_below_the_comments():

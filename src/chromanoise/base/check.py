@@ -4,6 +4,7 @@ import re
 import struct
 from collections.abc import Callable, Sequence
 from typing import Any
+from unicodedata import category
 
 import numpy as np
 
@@ -163,15 +164,24 @@ def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
 
 
 def shown_names(name: str, values: Sequence[str]) -> tuple[str, ...]:
-    """`distinct` names that can be shown; a control character raises `InputError`."""
+    """`distinct` names that can be shown; one with a `strange_character` raises `InputError`."""
     for value in values:
-        if _CONTROL.search(value):
-            need, found = "must have no control characters", f"{value!r} has one"
+        if not isinstance(value, str):
+            raise InputError(name, "must be text", value=value)
+        if strange_character(value):
+            need, found = "must have no control characters", f"{value!a} has one"
             raise InputError(name, need, value=value, found=found, remedy="rename it")
     return distinct(name, values)
 
 
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+def strange_character(text: str) -> str | None:
+    """The first character that is no text: control, surrogate, line separator, noncharacter."""
+    if text.isprintable():  # most texts
+        return None
+    return next((c for c in text if category(c) in _NO_TEXT or c in "\ufffe\uffff"), None)
+
+
+_NO_TEXT = ("Cc", "Cs", "Zl", "Zp")
 
 
 def one_of(name: str, value: str, choices: Sequence[str]) -> str:

@@ -13,7 +13,6 @@ them, all faults at once, each with its place:
 import inspect
 import json
 import math
-import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, field, is_dataclass, replace
 from functools import cache
@@ -31,6 +30,7 @@ from typing import (
 )
 from weakref import WeakKeyDictionary
 
+from chromanoise.base.check import strange_character
 from chromanoise.base.errors import InputError, did_you_mean, errors_in, known_name
 from chromanoise.base.immutable import dataclass
 
@@ -585,7 +585,7 @@ def _of_plain_type(kind: Any, accepted: Any, words: str) -> _Check:
     def checked(value: Any, place: Place) -> Any:
         if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
             return place.refuse(f"must be a valid {words}", value)
-        if kind is str and _CONTROL.search(value):
+        if kind is str and strange_character(value.replace("\n", "").replace("\t", "")):
             return place.refuse("must have no control characters", value)
         try:
             return kind(value)
@@ -593,9 +593,6 @@ def _of_plain_type(kind: Any, accepted: Any, words: str) -> _Check:
             return place.refuse("must be a finite number", math.inf if value > 0 else -math.inf)
 
     return checked
-
-
-_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")  # but line breaks and tabs
 
 
 _PLAIN: dict[Any, _Check] = {

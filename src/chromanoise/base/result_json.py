@@ -118,7 +118,7 @@ def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
     kind = type(value)
     if kind is float:  # most values
         return defined(value)
-    if kind in _AS_IT_IS:
+    if kind in _AS_IT_IS and not keys:
         return value
     if isinstance(value, np.ndarray | np.generic):
         if value.dtype.kind in "biu" or (value.dtype.kind == "f" and np.isfinite(value).all()):
@@ -232,7 +232,7 @@ def _keys_of_class(kind: Any) -> list[tuple[JsonKey, str]]:
     for key in map(_key, keys_of(kind)):
         path = key.of or key.name
         changed = key.by or key.keys or key.rows or key.factor is not None or key.when
-        own = isinstance(path, str) and _has(kind, path) and not changed
+        own = key.name and isinstance(path, str) and _has(kind, path) and not changed
         found.append((key, str(path) if own else ""))
     return found
 

@@ -12,7 +12,6 @@ import re
 import signal
 import sys
 import threading
-import unicodedata
 import warnings
 from _thread import interrupt_main
 from collections.abc import Iterator, Sequence
@@ -22,7 +21,14 @@ from typing import Any
 
 import click
 
-from chromanoise.base import InputError, __version__, did_you_mean, keep_freed_memory, known_name
+from chromanoise.base import (
+    InputError,
+    __version__,
+    check,
+    did_you_mean,
+    keep_freed_memory,
+    known_name,
+)
 from chromanoise.cli import paused_collection
 
 _NEEDS = re.compile(r"([A-Za-z0-9._-]+)[^;]*(?:;.*extra\s*==\s*['\"]([^'\"]+)['\"])?")
@@ -364,7 +370,7 @@ def _refuse_unreadable(arguments: Sequence[str]) -> None:
         if not word or (equals and not value and option.startswith("--")):
             name = option or f"the argument after {before}"
             raise InputError(name, "must not be empty", remedy=("give a value", "omit it"))
-        strange = next((c for c in word if unicodedata.category(c) in _NO_TEXT), None)
+        strange = check.strange_character(word)
         if strange is not None:
             raise InputError(
                 f"the argument {word!a}",
@@ -376,7 +382,6 @@ def _refuse_unreadable(arguments: Sequence[str]) -> None:
 
 
 _REPEATED_S = 1.0
-_NO_TEXT = ("Cc", "Cs", "Zl", "Zp")  # control characters, surrogates, line separators
 
 
 def _leave(sentence: str) -> None:

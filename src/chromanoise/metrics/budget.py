@@ -84,6 +84,7 @@ from chromanoise.base import (
     Array,
     Bool,
     Float,
+    InputError,
     JsonKey,
     JsonKeys,
     check,
@@ -116,6 +117,7 @@ from chromanoise.metrics.snr_chain import (
     chain_snrs_db,
     coarsely_rounded,
     gain_if_removed_db,
+    may_be_rounded,
     merged,
     more_noise,
     noise_causes,
@@ -419,12 +421,18 @@ class _Asked:
     def structure(self) -> tuple[Any, ...]:
         """What chains that are evaluated together have in common."""
         chain = self.chain
-        alone = id(chain) if self.is_rounded else 0  # the digits of a slope depend on the others
-        lacks = (chain.behind_cut is None, self.snr_db is None)
-        size = chain.channels.row.shape[-1]
-        return (self.causes, alone, lacks, size, chain.noise, id(chain.crosstalk))
+        # the digits of a rounded mean depend on the others
+        alone = id(chain) if may_be_rounded(chain) else 0
+        own_class = bool(chain.noise.pixel.own_noise)  # of a user, which may compare as it likes
+        return (
+            *(self.causes, alone, chain.is_change, chain.behind_cut is None),
+            chain.channels.row.shape[-1],
+            id(chain.noise) if own_class else chain.noise,
+            id(chain.crosstalk),
+        )
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # an SNR of 0 or infinity has no gain
 def _budgets(asked: Sequence[_Asked]) -> list[dict[str, Budget]]:
     """The budgets of each, which have one structure: costs, gains, and the rest to the SNR."""
     first = asked[0]
@@ -433,9 +441,9 @@ def _budgets(asked: Sequence[_Asked]) -> list[dict[str, Budget]]:
     order = order_of(causes, rounded=first.is_rounded)
     sets = allowed_sets(causes, order)
     on = every if chain.is_change else every - {INFRARED}  # infrared is signal at the end
-    further = (every, on, on - {WEIGHTS}, on - {CORRELATION}, noise_causes(chain))
+    further = (on, on - {WEIGHTS}, on - {CORRELATION}, noise_causes(chain))
     worth = chain_snrs_db(chain, (*sets, *further))
-    ends_db, now_db, no_weights_db, uncorrelated_db, best_db = worth[:, len(sets) :].T
+    ends_db, now_db, no_weights_db, uncorrelated_db, best_db = worth[:, len(sets) - 1 :].T
     snr_db = now_db
     if first.snr_db is not None:
         snr_db = np.concatenate([one.snr_db for one in asked if one.snr_db is not None])
@@ -578,8 +586,8 @@ class BudgetRequest:
     Raises
     ------
     InputError
-        If there is no such coordinate, the channels of the matrix are not those of the sensor, or
-        for L*, a* and b* the coordinates of the matrix are not X, Y, Z.
+        If the scene has several points, there is no such coordinate, the channels of the matrix are
+        not those of the sensor, or for L*, a* and b* its coordinates are not X, Y, Z.
     """
 
     scene: Scene
@@ -589,6 +597,10 @@ class BudgetRequest:
     coordinates: tuple[str, ...]
 
     def __post_init__(self) -> None:
+        points = self.scene.reflectance.shape[:-1]
+        if points:
+            need, found = "must have one point", f"has {' x '.join(map(str, points))} points"
+            raise InputError("scene of a budget", need, value=points, found=found)
         check.same_names("budget", sensor=self.sensor.names, matrix=self.matrix.channels)
         every = (
             *self.matrix.coordinates,
@@ -627,7 +639,8 @@ def budgets_of(requests: Sequence[BudgetRequest]) -> list[dict[str, Budget]]:
             groups.setdefault(one.structure, []).append((own, one))
     for group in groups.values():
         first = group[0][1]
-        size = first.chain.channels.row.size * 2 ** len(first.causes)
+        order = order_of(first.causes, rounded=first.is_rounded)
+        size = first.chain.channels.row.size * len(allowed_sets(first.causes, order))
         step = max(1, _VALUES_PER_CHUNK // size)
         for i in range(0, len(group), step):
             part = group[i : i + step]

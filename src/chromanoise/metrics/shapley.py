@@ -47,6 +47,8 @@ def shapley_values(
     {'a': 1.0, 'b': 4.0}
     """
     names, before = tuple(players), tuple(precedence)
+    if not names:
+        return {}
     worth = np.array([value(each) for each in allowed_sets(names, before)])
     return dict(zip(names, shapley_of_many(worth, names, before).tolist(), strict=True))
 
@@ -57,7 +59,12 @@ def shapley_of_many(
     """`shapley_values` of many games, from the worth of their `allowed_sets` in this order."""
     steps = _steps(players, precedence)
     return np.stack(
-        [(worth[..., one.after] - worth[..., one.before]) @ one.share for one in steps], axis=-1
+        [
+            # no product of matrices: its last digits depend on the number of games
+            ((worth[..., one.after] - worth[..., one.before]) * one.share).sum(axis=-1)
+            for one in steps
+        ],
+        axis=-1,
     )
 
 

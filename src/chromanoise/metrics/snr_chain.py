@@ -150,6 +150,22 @@ def coarsely_rounded(chain: Chain) -> bool:
     )
 
 
+def may_be_rounded(chain: Chain) -> bool:
+    """Whether a chain is `coarsely_rounded` without some of its causes."""
+    if not chain.noise.step_e:
+        return False
+    left_out = ALL - {"count", "rounding"}
+    bare = replace(chain.noise, without=left_out, dark_e=0.0, pattern=None)
+    every = (chain.channels, chain.before_crosstalk, chain.behind_cut)
+    return any(
+        coarsely_rounded(
+            replace(chain, channels=of, before_crosstalk=None, crosstalk=None, noise=bare)
+        )
+        for of in every
+        if of is not None
+    )
+
+
 def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
     """The causes of a budget: those of every sensor, and the noise sources that this one has.
 

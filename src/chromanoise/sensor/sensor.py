@@ -91,7 +91,8 @@ class Sensor:
         check.one_of("origin", self.origin, get_args(Origin))
         check.same_length("wavelengths", grid=self.grid.n, qe=qe.shape[0])
         check.same_length("channels", names=len(self.names), qe=qe.shape[1])
-        check.shown_names("name of a sensor", (self.name,))
+        for text in (self.name, self.label):
+            check.shown_names("name of a sensor", (text,))
         names = check.shown_names(f"channel names of {self.name}", self.names)
         for name in self.mosaic.names if self.mosaic else ():
             check.among(f"mosaic channel of {self.name}", name, names)

@@ -118,7 +118,7 @@ if TYPE_CHECKING:
         gray_noise as gray_noise,
         lab_budgets as lab_budgets,
         mean_total_error as mean_total_error,
-        missing_color_budgets as missing_color_budgets,
+        missing_color_budgets,
         missing_lab_budgets as missing_lab_budgets,
         noise_as_viewed as noise_as_viewed,
         noise_weights as noise_weights,

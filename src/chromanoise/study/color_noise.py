@@ -579,7 +579,8 @@ def _lab_budgets(
     """`lab_budgets` of each analysis, computed at once."""
     requests = []
     for one in analyses:
-        light, has_color = one.scene, None not in color_snr_db(of_white(one)).values()
+        light, is_known = one.scene, _may_have_budgets(one)
+        has_color = is_known and None not in color_snr_db(of_white(one)).values()
         gray = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=reflectance)
         requests.append(_budget_request(one, LAB.coordinates if has_color else (), gray))
     return [tuple(map(own.get, LAB.coordinates)) for own in budgets_of(requests)]
@@ -591,14 +592,17 @@ lab_budgets_of = kept_of_each(_lab_budgets)
 def _budget_request(
     analysis: Analysis, coordinates: Sequence[str], scene: Scene | None = None
 ) -> BudgetRequest:
-    unknown = analysis.without_snr.any() or analysis.readout is not None
     return BudgetRequest(
         scene=analysis.scene if scene is None else scene,
         sensor=analysis.sensor,
         exposure=analysis.exposure,
         matrix=analysis.matrix,
-        coordinates=() if unknown else tuple(coordinates),
+        coordinates=tuple(coordinates) if _may_have_budgets(analysis) else (),
     )
+
+
+def _may_have_budgets(analysis: Analysis) -> bool:
+    return not analysis.without_snr.any() and analysis.readout is None
 
 
 def missing_color_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> str | None:

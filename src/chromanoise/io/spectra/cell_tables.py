@@ -155,11 +155,11 @@ def _in_percent(
 
 
 def _name(cell: str) -> str:
-    """The text of a heading, whose cell in a spreadsheet may have several lines."""
-    return _LINES.sub(" ", text_of_cell(cell))
+    """The text of a heading in one line; a cell in a spreadsheet may have several."""
+    return _OTHER_SPACES.sub(" ", text_of_cell(cell))
 
 
-_LINES = re.compile(r"\s*[\r\n]\s*")
+_OTHER_SPACES = re.compile(r" *[^\S ]\s*")
 
 
 def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
@@ -303,19 +303,23 @@ def _refuse_no_wavelength_before_numbers(
         if is_wavelength_heading(first):  # so are units, above numbers as names
             headed = True
             continue
-        if not values or not all(is_number(cell, decimal_comma=comma) for cell in values):
+        numbers = [cell for cell in values if is_number(cell, decimal_comma=comma)]
+        rest = [cell for cell in values if cell not in numbers]
+        if not numbers or not all(cell.lower() in _NO_NUMBER for cell in rest):
             continue
-        no_names = row is above[-1] and not all(map(str.isdigit, values))
-        if _like_a_number(first) or (headed and (no_names or first.lower() in _NO_NUMBER)):
+        may_be_names = row is not above[-1] or all(map(str.isdecimal, values))
+        is_number_of_data = _like_a_number(first) or (headed and first.lower() in _NO_NUMBER)
+        if is_number_of_data or not may_be_names:
             raise _no_wavelength(row, source, where)
 
 
 def _like_a_number(cell: str) -> bool:
-    """Whether a cell that is no number has more digits than letters, as ``4x0`` or ``400 410``."""
-    digits = sum(map(str.isdigit, cell))
-    return digits > sum(map(str.isalpha, cell))
+    """Whether a cell is a damaged number as ``4x0`` or ``400 410``, and no date and no name."""
+    digits = sum(map(str.isdecimal, cell))
+    return digits > sum(map(str.isalpha, cell)) and not _DATE_OR_NAME.match(cell)
 
 
+_DATE_OR_NAME = re.compile(r"\d{4}-\d\d?-\d|[A-Z]+ ?\d+$", re.ASCII)
 _NO_NUMBER = (*_MISSING, "nan", "inf")
 
 
