@@ -157,10 +157,19 @@ def test_a_response_in_amperes_per_watt_of_some_curves_is_refused(tmp_path):
         _read(tmp_path, "\n".join(["wavelength_nm,a [A/W],b", *rows]))
 
 
-def test_a_second_heading_with_numbers_as_names_gives_the_names(tmp_path):
+@pytest.mark.parametrize("first", ["nm", "D65", "CIE 1931", "sample 2024", "2024-01-05"])
+def test_a_second_heading_with_numbers_as_names_gives_the_names(tmp_path, first):
     rows = [f"{w},.1,.2" for w in AT_NM]
-    read = _read(tmp_path, "\n".join(["wavelength,sample,sample", "nm,1,2", *rows]))
+    read = _read(tmp_path, "\n".join(["wavelength,sample,sample", f"{first},1,2", *rows]))
     assert read.curves.names == ("1", "2")
+
+
+@pytest.mark.parametrize("row", ["4x0,nan,.2", "4x0,n/a,.2", "abc,.1,.2", "nan,.1,.2"])
+@pytest.mark.parametrize("heading", ["wavelength_nm,a,b", "x,a,b", ",a,b", None])
+def test_a_first_row_of_values_without_a_wavelength_is_refused(tmp_path, heading, row):
+    rows = [*([heading] if heading else []), row, *(f"{w},.1,.2" for w in AT_NM[1:])]
+    with refused_input(subject=str(tmp_path / "table.csv"), value=row.split(",")[0]):
+        _read(tmp_path, "\n".join(rows))
 
 
 @pytest.mark.parametrize(("heading", "factor"), [

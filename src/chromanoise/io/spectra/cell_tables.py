@@ -319,7 +319,7 @@ def _like_a_number(cell: str) -> bool:
     return digits > sum(map(str.isalpha, cell)) and not _DATE_OR_NAME.match(cell)
 
 
-_DATE_OR_NAME = re.compile(r"\d{4}-\d\d?-\d|[A-Z]+ ?\d+$", re.ASCII)
+_DATE_OR_NAME = re.compile(r"\d{4}-\d\d?-\d|(?!O)[A-Z]+ ?\d+$", re.ASCII)
 _NO_NUMBER = (*_MISSING, "nan", "inf")
 
 
