@@ -3,8 +3,11 @@
 import json
 import os
 import sys
+from dataclasses import dataclass
 from functools import partial
+from typing import ClassVar
 
+import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
@@ -12,7 +15,7 @@ from chromanoise.apps.camera.measure import resumed
 from chromanoise.apps.design import read_front
 from chromanoise.base.errors import InputError
 from chromanoise.base.inputs import MOST_DEPTH, json_file, json_of
-from chromanoise.base.result_json import json_text
+from chromanoise.base.result_json import JsonKey, json_text, plain
 from chromanoise.io.matrix_files import read_matrix
 from chromanoise.io.result_tables import table_from_json
 from chromanoise.io.sensor_files import sensor_from_json, sensor_json
@@ -174,3 +177,52 @@ def test_a_file_that_changed_is_read_again(tmp_path):
     for peak in (0.5, 0.25):
         file.write_text(f"wavelength_nm,W\n400,0.1\n500,{peak}\n")
         assert read_curves(file).curves.values.max() == peak
+
+
+@dataclass(frozen=True)
+class Inner:
+    """A record whose keys are its fields."""
+
+    number: float
+    word: str
+    numbers: np.ndarray
+
+
+@dataclass(frozen=True)
+class Outer:
+    """A record with keys of every kind."""
+
+    KEYS: ClassVar[tuple[JsonKey | str, ...]] = (
+        "inner",
+        JsonKey("same", "inner.number"),
+        JsonKey("", "inner"),
+        JsonKey("none", "missing", keys=("number",)),
+        JsonKey("rows", "missing", rows=True, keys=("number",)),
+        JsonKey("thousand", "inner.number", factor=1e3),
+        JsonKey("named", "inner.numbers", by=(("a", "b"),)),
+        JsonKey("never", "inner", when="missing"),
+        "many",
+    )
+
+    inner: Inner
+    missing: Inner | None
+    many: tuple[Inner, ...]
+
+
+@pytest.mark.parametrize("number", [1.5, float("nan")])
+def test_a_record_is_written_by_its_keys(number):
+    inner = Inner(number, "w", np.array([2.0, np.inf]))
+    known = None if number != number else number
+    plain_inner = {"number": known, "word": "w", "numbers": [2.0, None]}
+    assert plain(Outer(inner, None, (inner,))) == {
+        "inner": plain_inner,
+        "same": known,
+        **plain_inner,
+        "none": None,
+        "rows": None,
+        "thousand": None if known is None else 1500.0,
+        "named": {"a": 2.0, "b": None},
+        "many": [plain_inner],
+    }
+    assert plain("abc", JsonKey("length", len)) == {"length": 3}
+    assert plain(None, "number") is None

@@ -133,7 +133,9 @@ def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
         return [_written(one, keys, owners) for one in value]
     if isinstance(value, float):
         return defined(value)
-    return _object((*owners, value), keys) if keys or is_dataclass(value) else value
+    if value is None or not (keys or is_dataclass(value)):
+        return value
+    return _object((*owners, value), keys)
 
 
 def json_text(data: Any, *, indent: int = 2, ensure_ascii: bool = False) -> str:
