@@ -290,10 +290,10 @@ class _Lit:
         """Photons, in the unit of `chromanoise.spectra.light`."""
         return scene_light(self.scene, "quanta")
 
-    @cached_property
-    def visible(self) -> Float[Array, " n"]:
-        """The light behind an ideal IR-cut."""
-        return self.light * ~is_infrared(self.sensor.grid)
+    @property
+    def is_visible(self) -> Bool[Array, " n"]:
+        """The wavelengths that an ideal IR-cut passes."""
+        return ~is_infrared(self.sensor.grid)
 
     @cached_property
     def basis(self) -> Float[Array, "n p"]:
@@ -308,7 +308,7 @@ class _Lit:
     @cached_property
     def visible_e(self) -> Float[Array, " p"]:
         """Mean electrons without the infrared. [e-]"""
-        return self.visible @ self.basis
+        return (self.light * self.is_visible) @ self.basis
 
     @cached_property
     def photons_per_unit_light(self) -> float:
@@ -461,33 +461,46 @@ def _budgets(asked: Sequence[_Asked]) -> list[dict[str, Budget]]:
         for name in (*causes, REST)
     ]
     gains = [[None] * len(snr_db) if one is None else one.tolist() for one in gains_db]
-    rows = zip(
-        chain.photons_db.tolist(), costs_db.tolist(), zip(*gains, strict=True),
-        best_db.tolist(), snr_db.tolist(), strict=True,
-    )  # fmt: skip
-    found = []
-    for one in asked:
-        own = {}
-        for i, coordinate in enumerate(one.coordinates):
-            photons_db, costs, gained, best, snr = next(rows)
-            readings = one.readings | one.own_readings[i] | {REST: one.rest_reading(i, costs[-1])}
-            own[coordinate] = Budget(
-                coordinate=coordinate,
-                photons_db=photons_db,
-                costs=tuple(
-                    Cost(
-                        cause=name,
-                        cost_db=cost_db,
-                        gain_if_removed_db=defined(gain),
-                        reading=readings[name],
-                    )
-                    for name, cost_db, gain in zip((*causes, REST), costs, gained, strict=True)
-                ),
-                optimal_linear_snr_db=best,
-                snr_db=snr,
+    numbers = zip(
+        *(chain.photons_db.tolist(), costs_db.tolist(), zip(*gains, strict=True)),
+        *(best_db.tolist(), snr_db.tolist()),
+        strict=True,
+    )
+    return [
+        {name: _made(one, i, *next(numbers)) for i, name in enumerate(one.coordinates)}
+        for one in asked
+    ]
+
+
+def _made(
+    asked: _Asked,
+    i: int,
+    photons_db: float,
+    costs_db: Sequence[float],
+    gains_db: Sequence[float | None],
+    optimal_linear_snr_db: float,
+    snr_db: float,
+) -> Budget:
+    """The budget of one of the coordinates."""
+    rest = {REST: asked.rest_reading(i, costs_db[-1])}
+    readings = asked.readings | asked.own_readings[i] | rest
+    return Budget(
+        coordinate=asked.coordinates[i],
+        photons_db=photons_db,
+        costs=tuple(
+            Cost(
+                cause=name,
+                cost_db=cost_db,
+                gain_if_removed_db=defined(gain_db),
+                reading=readings[name],
             )
-        found.append(own)
-    return found
+            for name, cost_db, gain_db in zip(
+                (*asked.causes, REST), costs_db, gains_db, strict=True
+            )
+        ),
+        optimal_linear_snr_db=optimal_linear_snr_db,
+        snr_db=snr_db,
+    )
 
 
 def _readings(
@@ -925,7 +938,7 @@ def _lab_asked(lit: _Lit, matrix: ColorMatrix, index: Sequence[int]) -> Iterator
         return
 
     def channels(of: _Lit, frame: DualBasis, rows: Float[Array, "3 p"]) -> Channels:
-        cut, whole = (changes * visible) @ of.basis, changes @ of.basis
+        cut, whole = (changes * of.is_visible) @ of.basis, changes @ of.basis
         own_axes = color_axes(sensor.grid, frame.metric, matrix.observer)
         one_by_one = weights_one_by_one(own_axes.T, frame)
 
@@ -939,7 +952,6 @@ def _lab_asked(lit: _Lit, matrix: ColorMatrix, index: Sequence[int]) -> Iterator
             single_row=_sum_of(slopes[..., None] * one_by_one),
         )
 
-    visible = ~is_infrared(sensor.grid)
     photons_db = counting_snr_db(lit.light, changes, lit.photons_per_unit_light)
     chain = _chain(lit, matrix.frame, matrix.matrix, channels, photons_db)
     white_cut = matrix.matrix @ of_white.visible_e
