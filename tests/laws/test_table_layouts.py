@@ -151,6 +151,17 @@ def test_a_sensor_of_very_many_curves_is_refused(tmp_path):
         read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=Answers(beyond="hold"))
 
 
+@pytest.mark.parametrize(
+    ("key", "word", "meant"), [("level", "relativ", "relative"), ("per", "photons", "photon")]
+)
+def test_a_misspelt_choice_of_a_key_is_refused_and_another_fact_is_none(tmp_path, key, word, meant):
+    rows = "\n".join(["wavelength_nm,a", *(f"{w},.1" for w in AT_NM)])
+    with refused_input(value=word, remedy=(f"did you mean {meant}?",)):
+        _read(tmp_path, f"# {key}: {word}\n{rows}")
+    assert getattr(_read(tmp_path, f"# {key}: {meant}\n{rows}"), key) == meant
+    assert getattr(_read(tmp_path, f"# {key}: 3 of 7\n{rows}"), key) is None
+
+
 def test_a_response_in_amperes_per_watt_of_some_curves_is_refused(tmp_path):
     rows = [f"{w},.1,.2" for w in AT_NM]
     with refused_input(value=("a", "b")):

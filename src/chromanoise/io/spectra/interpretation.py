@@ -7,7 +7,7 @@ from typing import cast, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Setting
+from chromanoise.base import Array, InputError, Setting, did_you_mean
 from chromanoise.io.source_files import errors_within, refused
 from chromanoise.io.spectra.cell_tables import DIGITIZED
 from chromanoise.io.spectra.declared import (
@@ -298,8 +298,8 @@ def _highest(points: Sorted) -> float:
 
 def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | None:
     given = answers.level or found.level or ("relative" if answers.peak_qe is not None else None)
-    word = found.keys.get("level", "").lower()
-    if given or word in get_args(Level):
+    word = _word_of_key(found, "level", get_args(Level))
+    if given or word:
         return given or cast("Level", word)
     heads = _heads(found, columns)
     if re.search(r"relative|\brel\b|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", heads):
@@ -310,8 +310,8 @@ def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | Non
 def _per(
     found: Found, answers: Answers, columns: list[Column], quantity: Quantity | None
 ) -> Per | None:
-    given, word = answers.per or found.per, found.keys.get("per", "").lower()
-    if given or word in get_args(Per):
+    given, word = answers.per or found.per, _word_of_key(found, "per", get_args(Per))
+    if given or word:
         return given or cast("Per", word)
     heads = _heads(found, columns)
     if quantity == "QE" or re.search(r"photon|quanta|photlam", heads):
@@ -321,6 +321,17 @@ def _per(
     named = f"{heads} {found.keys.get('quantity', '').lower()}"
     words = re.search(r"watt|\ba\s*/\s*w\b|power|radiance|energy", named)
     return "energy" if quantity in ("power", "response") and (watt or words) else None
+
+
+def _word_of_key(found: Found, key: str, choices: tuple[str, ...]) -> str:
+    """The choice that a key declares; empty for other facts, but a misspelt choice is refused."""
+    word = found.keys.get(key, "").lower()
+    if not word or word in choices:
+        return word
+    remedy = did_you_mean(word, choices, "", cutoff=0.75)
+    if remedy:
+        raise refused(found.source, f"{key} must be {' or '.join(choices)}", word, remedy=remedy)
+    return ""
 
 
 def _without_small_negatives(curves: Spectra, answers: Answers) -> tuple[Spectra, tuple[str, ...]]:
