@@ -209,9 +209,7 @@ def _object(owners: tuple[Any, ...], keys: JsonKeys) -> dict[str, Any]:
     every = [(_key(one), "") for one in keys] if keys else _keys_of_class(record.__class__)
     for key, field in every:
         if field:  # most keys
-            value = getattr(record, field)
-            is_number = type(value) is float
-            found[key.name] = defined(value) if is_number else _written(value, (), owners)
+            found[key.name] = _written(getattr(record, field), (), owners)
             continue
         if key.when and not _at(key.when, owners):
             continue

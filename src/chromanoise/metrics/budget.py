@@ -391,8 +391,6 @@ class _Asked:
     ----------
     coordinates
         Their names, as those of the leading axis of the chain.
-    causes
-        `causes_of` the chain.
     readings
         One sentence per cause.
     own_readings
@@ -402,15 +400,22 @@ class _Asked:
     snr_db
         SNR of each coordinate where the chain does not end there: where the signal is a change.
         [dB]
+    has_infrared
+        Whether the infrared is a cause.
     """
 
     coordinates: tuple[str, ...]
     chain: Chain
-    causes: tuple[str, ...]
     readings: dict[str, str]
     own_readings: Sequence[dict[str, str]]
     rest_reading: Callable[[int, float], str]
     snr_db: Float[Array, " c"] | None = None
+    has_infrared: bool = True
+
+    @cached_property
+    def causes(self) -> tuple[str, ...]:
+        """Those that are switched."""
+        return causes_of(self.chain, infrared=self.has_infrared)
 
     @cached_property
     def is_rounded(self) -> bool:
@@ -745,7 +750,6 @@ def _color_asked(lit: _Lit, matrix: ColorMatrix, index: Sequence[int]) -> Iterat
         yield _Asked(
             coordinates=chosen,
             chain=chain,
-            causes=causes_of(chain),
             readings=readings,
             own_readings=own_readings,
             rest_reading=rest_reading,
@@ -820,7 +824,7 @@ def _contravariant_asked(lit: _Lit, frame: DualBasis, index: Sequence[int]) -> I
         yield _Asked(
             coordinates=tuple(f"{CONTRAVARIANT}{name}" for name in chosen),
             chain=some,
-            causes=causes_of(some, infrared=False),
+            has_infrared=False,
             readings=readings,
             own_readings=own_readings,
             rest_reading=lambda *_: "nothing is left",
@@ -975,7 +979,6 @@ def _lab_asked(lit: _Lit, matrix: ColorMatrix, index: Sequence[int]) -> Iterator
     yield _Asked(
         coordinates=chosen,
         chain=chain,
-        causes=causes_of(chain),
         readings=readings,
         own_readings=own_readings,
         rest_reading=lambda i, _: f"one unit of {chosen[i]} comes out as {units[i]:.2f}",

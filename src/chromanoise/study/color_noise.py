@@ -589,6 +589,12 @@ def _lab_budgets(
 lab_budgets_of = kept_of_each(_lab_budgets)
 
 
+def find_budgets(analyses: Sequence[Analysis]) -> None:
+    """Compute all budgets of many analyses at once, which are then kept."""
+    for of_each in (color_budgets_of, contravariant_budgets_of, lab_budgets_of):
+        of_each(analyses)
+
+
 def _budget_request(
     analysis: Analysis, coordinates: Sequence[str], scene: Scene | None = None
 ) -> BudgetRequest:

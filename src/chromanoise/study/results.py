@@ -75,12 +75,10 @@ from chromanoise.study.color_noise import (
     GrayNoise,
     chart_noise,
     color_budgets,
-    color_budgets_of,
     contravariant_budgets,
-    contravariant_budgets_of,
+    find_budgets,
     gray_noise,
     lab_budgets,
-    lab_budgets_of,
     mean_total_error,
     total_errors_of,
     visual_noise_of,
@@ -528,9 +526,7 @@ class Analyses(Result):
         """As that of each result."""
         total_errors_of(self.analyses)  # of all sensors at once, in a fraction of the time
         if OUTPUTS["budget"].asked(self.outputs):
-            color_budgets_of(self.analyses)
-            contravariant_budgets_of(self.analyses)
-            lab_budgets_of(self.analyses)
+            find_budgets(self.analyses)
         return super().to_dict()
 
     @property

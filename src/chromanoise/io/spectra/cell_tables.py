@@ -139,7 +139,7 @@ def table_of(
 def _in_percent(
     body: Sequence[Row], names: tuple[str, ...], step: int, source: str, where: str
 ) -> bool:
-    """Whether the values have percent signs; if some of them have, which is refused."""
+    """Whether each value has a percent sign; signs after some values are refused."""
     if not any("%" in cell for row in body for cell in row.cells):
         return False
     cells = [(row, k) for row in body for k in range(1, len(row.cells), step)]
